@@ -1,0 +1,35 @@
+#pragma once
+
+namespace cairn {
+
+/// Capacities of one build of the core: template parameter of filters, tracker and map, so that
+/// several can live side by side. Everything that a frame's work is a product of is fixed here.
+struct DefaultConfig {
+  using Scalar = float;
+  static constexpr int kMaxImageWidth = 640;
+  static constexpr int kMaxImageHeight = 480;
+  static constexpr int kMaxLandmarks = 64;       ///< active: in the filter's state
+  static constexpr int kMaxFeatures = 32;        ///< MonoEkf features
+  static constexpr int kLibraryLandmarks = 256;  ///< archived
+  static constexpr int kMaxCandidates = 32;      ///< seen, not yet in the filter
+};
+
+struct TinyConfig : DefaultConfig {
+  static constexpr int kMaxImageWidth = 320;
+  static constexpr int kMaxImageHeight = 240;
+  static constexpr int kMaxLandmarks = 16;
+  static constexpr int kMaxFeatures = 16;
+  static constexpr int kLibraryLandmarks = 64;
+  static constexpr int kMaxCandidates = 16;
+};
+
+struct LargeConfig : DefaultConfig {
+  static constexpr int kMaxImageWidth = 1280;
+  static constexpr int kMaxImageHeight = 960;
+  static constexpr int kMaxLandmarks = 128;
+  static constexpr int kMaxFeatures = 50;
+  static constexpr int kLibraryLandmarks = 1024;
+  static constexpr int kMaxCandidates = 64;
+};
+
+}  // namespace cairn

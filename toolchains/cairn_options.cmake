@@ -1,0 +1,24 @@
+# Build options shared by every target of the project.
+#
+# cairn_numerics: what makes results equal to the bit on every compiler and CPU. PUBLIC for users of
+# the core, because its headers hold code. cairn_warnings: our own code only.
+
+add_library(cairn_numerics INTERFACE)
+target_compile_options(cairn_numerics INTERFACE
+  $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off -fno-fast-math -fno-math-errno>)
+target_compile_definitions(cairn_numerics INTERFACE
+  EIGEN_DONT_VECTORIZE EIGEN_MAX_ALIGN_BYTES=0 EIGEN_DONT_PARALLELIZE EIGEN_NO_IO EIGEN_MPL2_ONLY
+  EIGEN_STACK_ALLOCATION_LIMIT=0)
+
+add_library(cairn_warnings INTERFACE)
+target_compile_options(cairn_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wcast-align -Wundef
+  $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual>)
+if(CAIRN_WERROR)
+  target_compile_options(cairn_warnings INTERFACE -Werror)
+endif()
+
+if(CAIRN_SANITIZE)
+  add_compile_options(-fsanitize=${CAIRN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${CAIRN_SANITIZE})
+endif()
