@@ -1,0 +1,12 @@
+#include "host_sim/commands/command.hpp"
+#include "host_sim/commands/info_command.hpp"
+#include "host_sim/commands/run_command.hpp"
+
+namespace cairn::host {
+
+void register_commands(CommandContext& context) {
+  register_run_command(context);
+  register_info_command(context);
+}
+
+}  // namespace cairn::host

@@ -1,0 +1,92 @@
+#include "host_sim/commands/run_command.hpp"
+
+#include <charconv>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "host_sim/commands/run_kinds.hpp"
+#include "host_sim/commands/run_options.hpp"
+#include "host_sim/io/input_error.hpp"
+
+namespace cairn::host {
+namespace {
+
+ExitCode dispatch(const RunOptions& options) {
+  const std::string name = options.source.substr(0, options.source.find(':'));
+  for (const RunKind& kind : run_kinds()) {
+    if (name != kind.name) continue;
+    const bool has_rest = options.source.find(':') != std::string::npos;
+    if (has_rest == kind.argument.empty()) {
+      throw UsageError(fmt::format("source '{}': expected {}{}", options.source, kind.name,
+                                   kind.argument.empty() ? "" : ":" + kind.argument));
+    }
+    return kind.run(options, has_rest ? options.source.substr(name.size() + 1) : std::string());
+  }
+  std::string known;
+  for (const RunKind& kind : run_kinds()) {
+    known += fmt::format("{}{}{}{}", known.empty() ? "" : ", ", kind.name,
+                         kind.argument.empty() ? "" : ":", kind.argument);
+  }
+  throw UsageError(fmt::format("source '{}': expected one of {}", options.source, known));
+}
+
+void add_options(CLI::App& command, RunOptions& options) {
+  command.add_option("SOURCE", options.source, "Built-in world, data set or video")->required();
+  command.add_option("--out", options.out, "Folder for the results")->required();
+  command.add_option("--mode", options.mode, "How the camera moves")
+      ->check(CLI::IsMember({"vehicle", "handheld"}));
+  command.add_option("--filter", options.filter, "Filter")
+      ->check(CLI::IsMember({"group-iekf", "lifted-iekf", "ekf", "mono"}));
+  command.add_option("--fading", options.fading, "Fading factor S >= 1 of mono, or 'adaptive'");
+  command.add_option("--budget-ms", options.budget_ms, "Time budget of a frame, ms")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
+  command.add_option("--first-frame", options.first_frame, "Number of the first frame to use");
+  command.add_option("--max-frames", options.max_frames, "Stop after this many frames")
+      ->check(CLI::PositiveNumber);
+  command.add_flag("!--no-video", options.video, "Do not write the overlay video");
+  command.add_option("--odometry-noise", options.odometry_noise, "Noise of the hall's odometry")
+      ->check(CLI::IsMember({"s1", "base"}))
+      ->capture_default_str();
+  command
+      .add_option("--start-heading-variance", options.start_heading_variance,
+                  "Variance of the start heading, rad^2; the start error is drawn from it")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--start-position-variance", options.start_position_variance,
+                  "Variance of the start position, m^2; the start error is drawn from it")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--camera", options.camera, "Camera file of a video source");
+  command.add_option("--odometry", options.odometry, "Odometry of a video source (CSV)");
+  command.add_option("--times", options.times, "Frame times of a video source (CSV)");
+  command.add_option("--truth", options.truth, "True camera poses of a video source (TUM)");
+}
+
+void check_fading(const std::string& fading) {
+  if (fading.empty() || fading == "adaptive") return;
+  double value = 0.0;
+  const char* end = fading.data() + fading.size();
+  const auto parsed = std::from_chars(fading.data(), end, value);
+  if (parsed.ec != std::errc() || parsed.ptr != end || !(value >= 1.0 && value <= 2.0)) {
+    throw UsageError(
+        fmt::format("--fading '{}': expected 'adaptive' or a number in [1, 2]", fading));
+  }
+}
+
+}  // namespace
+
+void register_run_command(CommandContext& context) {
+  CLI::App* command =
+      context.app.add_subcommand("run", "Track a source and report every frame's latency");
+  const auto options = std::make_shared<RunOptions>();
+  add_options(*command, *options);
+  command->callback([&context, options] {
+    check_fading(options->fading);
+    options->command_line = context.command_line;
+    context.exit_code = dispatch(*options);
+  });
+}
+
+}  // namespace cairn::host

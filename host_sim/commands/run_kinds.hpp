@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host_sim/commands/command.hpp"
+#include "host_sim/commands/run_options.hpp"
+
+namespace cairn::host {
+
+/// A kind of SOURCE that `cairn_sim run` knows: `name` or, when `argument` is not empty,
+/// `name:argument`. `run` does the whole job and gets what was typed after the colon.
+struct RunKind {
+  std::string name;
+  std::string argument;
+  ExitCode (*run)(const RunOptions& options, const std::string& argument);
+};
+
+/// Every kind of source: the list in run_kinds.cpp.
+const std::vector<RunKind>& run_kinds();
+
+}  // namespace cairn::host

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace cairn::host {
+
+/// Options of `cairn_sim run`, common to video and landmark sources.
+struct RunOptions {
+  std::string source;  ///< as typed: NAME or NAME:REST
+  std::filesystem::path out;
+  std::string command_line;
+  std::string mode;    ///< vehicle, handheld; empty: the source's own
+  std::string filter;  ///< group-iekf, lifted-iekf, ekf, mono; empty: the mode's own
+  std::string fading;  ///< a number >= 1, adaptive; empty: the filter's own
+  double budget_ms = 41.57;
+  std::uint64_t seed = 1;
+  std::optional<int> first_frame;
+  std::optional<int> max_frames;
+  bool video = true;
+  std::string odometry_noise = "s1";
+  std::optional<double> start_heading_variance;
+  std::optional<double> start_position_variance;
+  std::filesystem::path camera;
+  std::filesystem::path odometry;
+  std::filesystem::path times;
+  std::filesystem::path truth;
+};
+
+}  // namespace cairn::host

@@ -1,0 +1,49 @@
+#include <cstdio>
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "host_sim/commands/command.hpp"
+#include "host_sim/io/input_error.hpp"
+
+namespace {
+
+using cairn::host::ExitCode;
+
+std::string join_arguments(int argc, char** argv) {
+  std::string line = "cairn_sim";
+  for (int i = 1; i < argc; ++i) line += std::string(" ") + argv[i];
+  return line;
+}
+
+ExitCode run(int argc, char** argv) {
+  CLI::App app{"Cairn on the host: worlds, data sets, experiments and reports", "cairn_sim"};
+  app.require_subcommand(1);
+  cairn::host::CommandContext context{app, join_arguments(argc, argv)};
+  cairn::host::register_commands(context);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage;
+  } catch (const cairn::host::UsageError& error) {
+    fmt::print(stderr, "cairn_sim: {}\n", error.what());
+    return ExitCode::kUsage;
+  } catch (const cairn::host::InputError& error) {
+    fmt::print(stderr, "cairn_sim: {}\n", error.what());
+    return ExitCode::kInputInvalid;
+  }
+  return context.exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return static_cast<int>(run(argc, argv));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "cairn_sim: %s\n", error.what());
+    return static_cast<int>(ExitCode::kCheckFailed);
+  }
+}
