@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "cairn/geometry/camera.hpp"
+#include "cairn/geometry/rigid.hpp"
+#include "cairn/runtime/frame_report.hpp"
+
+namespace cairn::host {
+
+/// A real point seen in a frame: the yardstick of the registration error. Never shown to a tracker.
+struct ScenePointView {
+  std::uint32_t id = 0;
+  Vector2<double> pixel = Vector2<double>::Zero();     ///< where it truly is in the image
+  Vector3<double> p_camera = Vector3<double>::Zero();  ///< its true place, camera frame, m
+};
+
+/// One frame of a source, with everything that is known about it.
+struct Frame {
+  int number = 0;         ///< as the source counts, may start anywhere
+  std::int64_t t_us = 0;  ///< strictly increasing
+  cv::Mat grey;           ///< 8 bit, one channel, continuous, of the camera's size
+  /// Samples since the frame before, t_us of the last one <= the frame's. Empty for handheld
+  /// sources.
+  std::vector<OdometrySample> odometry;
+  std::optional<Rigid<double>> true_T_world_camera;
+  std::optional<Rigid<double>> true_T_world_vehicle;
+  std::vector<ScenePointView> scene_points;
+};
+
+/// What a source's odometry looks like; standard deviations of one sample.
+struct OdometryModel {
+  OdometrySample::Kind kind = OdometrySample::Kind::kTwist;
+  double speed_sigma_mps = 0.0;
+  double turn_sigma = 0.0;   ///< rad/s (kTwist) or rad (kAckermann)
+  double wheelbase_m = 0.0;  ///< kAckermann alone
+  double period_s = 0.1;     ///< nominal time between samples
+};
+
+struct SourceInfo {
+  std::string name;  ///< hall, seven-scenes, ...
+  PinholeCamera<double> camera;
+  /// Where the camera sits on the vehicle; the identity for handheld sources.
+  Rigid<double> T_vehicle_camera;
+  std::optional<OdometryModel> odometry;      ///< absent: handheld
+  double frame_rate_hz = 30.0;                ///< nominal
+  std::optional<int> frame_count;             ///< frames that will come, where known
+  std::uint64_t seed = 0;                     ///< 0 where nothing is random
+  std::vector<std::filesystem::path> inputs;  ///< files that were read, for the manifest's hashes
+  std::string note;                           ///< what was assumed, for the manifest and the report
+};
+
+/// Frames in order, one at a time. Throws InputError where an input is unreadable or invalid.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  virtual const SourceInfo& info() const = 0;
+  /// Fills `frame` (its storage is used again) and returns true, or returns false after the last.
+  virtual bool next(Frame& frame) = 0;
+
+ protected:
+  FrameSource() = default;
+  FrameSource(const FrameSource&) = default;
+  FrameSource& operator=(const FrameSource&) = default;
+};
+
+}  // namespace cairn::host
