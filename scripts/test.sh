@@ -1,9 +1,16 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds everything and runs every test that CI runs.
+# Installs what is missing, builds everything and runs every test that CI runs: on the host, and on
+# emulated boards.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+boards=(cortex-m7 cortex-m4f)
+
 scripts/setup.sh
-cmake --preset host
+for board in "${boards[@]}"; do
+  cmake --preset "$board"
+  cmake --build --preset "$board"
+done
+cmake --preset host -DCAIRN_FIRMWARE_BOARDS="$(IFS=';'; echo "${boards[*]}")"
 cmake --build --preset host
-ctest --preset host
+ctest --preset host --parallel "$(nproc)"
