@@ -26,6 +26,8 @@ struct Problem {
   int count;
   const PoseRefinementOptions<T>& options;
   const Rigid<T>& prior;
+
+  bool used(int i) const { return options.use_only == nullptr || options.use_only[i] != 0; }
 };
 
 template <class T>
@@ -130,6 +132,7 @@ NormalEquations<T> linearise(const Problem<T>& problem, const Rigid<T>& pose, bo
       cut_off ? huber_cost(gate, huber) : huber_cost(square(T(kHiddenPointSigmas)), huber);
   const Rigid<T> T_camera_world = pose.inverse();
   for (int i = 0; i < problem.count; ++i) {
+    if (!problem.used(i)) continue;
     const PoseObservation<T>& o = problem.observations[i];
     const Vector3<T> p_camera = T_camera_world * o.p_world;
     Vector2<T> pixel;
@@ -203,7 +206,8 @@ void assess(const Problem<T>& problem, const Rigid<T>& pose, PoseEstimate<T>& es
     Vector2<T> residual;
     T d2 = T(0);
     const PoseObservation<T>& o = problem.observations[i];
-    const bool inlier = ok(reprojection_error(problem.camera, o, pose, residual, d2)) &&
+    const bool inlier = problem.used(i) &&
+                        ok(reprojection_error(problem.camera, o, pose, residual, d2)) &&
                         d2 <= problem.options.inlier_gate;
     flags[i] = inlier ? 1 : 0;
     if (!inlier) continue;

@@ -33,6 +33,9 @@ struct PoseRefinementOptions {
   /// the iterations observations outside of it have no weight at all.
   T inlier_gate = static_cast<T>(kChi2Dof2Level99);
   int min_inliers = 4;
+  /// One byte an observation, 0 leaves it out; null takes all. Those left out count in the share
+  /// of inliers all the same.
+  const std::uint8_t* use_only = nullptr;
   /// Information (inverse covariance) of the pose handed in, in the tangent space described at
   /// refine_pose. Used when `use_prior` is set.
   bool use_prior = false;

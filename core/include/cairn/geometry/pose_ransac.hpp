@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/geometry/camera.hpp"
+#include "cairn/geometry/pose_refinement.hpp"
+#include "cairn/geometry/rigid.hpp"
+#include "cairn/numeric/random.hpp"
+#include "cairn/numeric/status.hpp"
+
+namespace cairn {
+
+template <class T>
+struct PoseRansacOptions {
+  static constexpr int kMaxHypotheses = 512;
+
+  int max_hypotheses = 128;  ///< samples of three matches; clamped to [1, kMaxHypotheses]
+  T confidence = T(0.99);    ///< that one sample was free of wrong matches; (0, 1)
+  T inlier_px = T(4);        ///< largest reprojection error of a match that supports a hypothesis
+  int min_inliers = 8;       ///< fewer after refinement: kNoConsensus
+  /// Another pose with at least this share of the best one's support makes the answer ambiguous.
+  T ambiguity_share = T(0.8);
+  PoseRefinementOptions<T> refinement;  ///< its min_inliers, prior and use_only are not used
+};
+
+template <class T>
+struct PoseRansacReport {
+  int hypotheses = 0;      ///< samples drawn
+  int poses = 0;           ///< solutions of the minimal problem that were scored
+  int support = 0;         ///< matches within inlier_px of the best hypothesis, before refinement
+  int second_support = 0;  ///< of the best clearly different hypothesis
+  Rigid<T> T_world_camera_second;  ///< that hypothesis, not refined; identity when there is none
+  /// second_support >= ambiguity_share * support: do not trust the pose without a second frame.
+  bool ambiguous = false;
+};
+
+/// Camera pose from point matches of which many may be wrong: RANSAC (Fischler and Bolles 1981)
+/// over solve_p3p with a truncated quadratic score (MSAC, Torr and Zisserman 2000), verification by
+/// reprojection, then refine_pose on the support, twice. The number of samples adapts to the best
+/// support so far, n = log(1 - confidence) / log(1 - w^3), and is bounded.
+///
+/// Two hypotheses are clearly different when their rotations differ by more than 0.15 rad or their
+/// centres by more than 10 % of the distance to the centroid of the supporting points.
+///
+/// kInvalidArgument: null, count outside [4, kMaxPoseObservations], an option outside its domain.
+/// kNonFiniteInput. kDegenerate: every sample was degenerate, or the support does not determine the
+/// pose. kNoConsensus: fewer than min_inliers. On an error pose, estimate and flags are unchanged;
+/// `random` has advanced by three numbers a sample. `report` is written in every case but
+/// kInvalidArgument and kNonFiniteInput.
+///
+/// Cost: at most 4 * max_hypotheses passes over the matches, about 60 operations a match (fewer
+/// where a hypothesis cannot win any more), and two refinements.
+template <class T>
+Status estimate_pose_ransac(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                            int count, const PoseRansacOptions<T>& options, Random& random,
+                            Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
+                            PoseRansacReport<T>& report, std::uint8_t* inlier_flags = nullptr);
+
+extern template Status estimate_pose_ransac(const PinholeCamera<float>&,
+                                            const PoseObservation<float>*, int,
+                                            const PoseRansacOptions<float>&, Random&, Rigid<float>&,
+                                            PoseEstimate<float>&, PoseRansacReport<float>&,
+                                            std::uint8_t*);
+extern template Status estimate_pose_ransac(const PinholeCamera<double>&,
+                                            const PoseObservation<double>*, int,
+                                            const PoseRansacOptions<double>&, Random&,
+                                            Rigid<double>&, PoseEstimate<double>&,
+                                            PoseRansacReport<double>&, std::uint8_t*);
+
+}  // namespace cairn

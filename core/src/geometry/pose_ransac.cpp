@@ -1,0 +1,235 @@
+#include "cairn/geometry/pose_ransac.hpp"
+
+#include "cairn/geometry/p3p.hpp"
+#include "cairn/numeric/math.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr int kSampleSize = 3;
+
+template <class T>
+constexpr T different_rotation_rad() {
+  return T(0.15);
+}
+template <class T>
+constexpr T different_centre_share() {
+  return T(0.1);
+}
+
+template <class T>
+struct Problem {
+  const PinholeCamera<T>& camera;
+  const PoseObservation<T>* observations;
+  int count;
+  const PoseRansacOptions<T>& options;
+};
+
+template <class T>
+struct Hypothesis {
+  Rigid<T> pose;
+  T score = T(-1);  // sum over the support of 1 - (error / inlier_px)^2
+  int support = 0;
+};
+
+template <class T>
+Status check(const Problem<T>& problem) {
+  const PoseRansacOptions<T>& o = problem.options;
+  if (problem.observations == nullptr || problem.count < kSampleSize + 1 ||
+      problem.count > kMaxPoseObservations) {
+    return Status::kInvalidArgument;
+  }
+  if (!(o.confidence > T(0) && o.confidence < T(1)) || !(o.inlier_px > T(0)) ||
+      o.min_inliers < kSampleSize + 1) {
+    return Status::kInvalidArgument;
+  }
+  for (int i = 0; i < problem.count; ++i) {
+    const PoseObservation<T>& m = problem.observations[i];
+    if (!is_finite(m.p_world.sum() + m.pixel.sum() + m.covariance.sum() + m.sigma_px)) {
+      return Status::kNonFiniteInput;
+    }
+    if (!(m.sigma_px > T(0))) return Status::kInvalidArgument;
+  }
+  return problem.camera.validate();
+}
+
+/// Three distinct indices below `count`.
+void draw_sample(Random& random, int count, int (&sample)[kSampleSize]) {
+  sample[0] = random.below(count);
+  sample[1] = random.below(count - 1);
+  sample[2] = random.below(count - 2);
+  if (sample[1] >= sample[0]) ++sample[1];
+  const int low = sample[0] < sample[1] ? sample[0] : sample[1];
+  const int high = sample[0] < sample[1] ? sample[1] : sample[0];
+  if (sample[2] >= low) ++sample[2];
+  if (sample[2] >= high) ++sample[2];
+}
+
+/// Scores a pose; stops early once it cannot reach `to_beat`.
+template <class T>
+void score(const Problem<T>& problem, T to_beat, Hypothesis<T>& hypothesis) {
+  const Rigid<T> T_camera_world = hypothesis.pose.inverse();
+  const T limit = square(problem.options.inlier_px);
+  hypothesis.score = T(0);
+  hypothesis.support = 0;
+  for (int i = 0; i < problem.count; ++i) {
+    if (hypothesis.score + static_cast<T>(problem.count - i) < to_beat) return;
+    const PoseObservation<T>& m = problem.observations[i];
+    Vector2<T> pixel;
+    if (!ok(problem.camera.project(T_camera_world * m.p_world, pixel))) continue;
+    const T error = (m.pixel - pixel).squaredNorm();
+    if (!(error < limit)) continue;
+    hypothesis.score += T(1) - error / limit;
+    ++hypothesis.support;
+  }
+}
+
+/// Marks the matches within inlier_px of a pose; returns how many. `centre` becomes their centroid.
+template <class T>
+int mark_support(const Problem<T>& problem, const Rigid<T>& pose, std::uint8_t* flags,
+                 Vector3<T>& centre) {
+  const Rigid<T> T_camera_world = pose.inverse();
+  const T limit = square(problem.options.inlier_px);
+  int support = 0;
+  Vector3<T> sum = Vector3<T>::Zero();
+  for (int i = 0; i < problem.count; ++i) {
+    const PoseObservation<T>& m = problem.observations[i];
+    Vector2<T> pixel;
+    const bool inside = ok(problem.camera.project(T_camera_world * m.p_world, pixel)) &&
+                        (m.pixel - pixel).squaredNorm() < limit;
+    flags[i] = inside ? 1 : 0;
+    if (!inside) continue;
+    ++support;
+    sum += m.p_world;
+  }
+  if (support > 0) centre = sum / static_cast<T>(support);
+  return support;
+}
+
+template <class T>
+bool clearly_different(const Rigid<T>& a, const Rigid<T>& b, const Vector3<T>& centre) {
+  const Quaternion<T> turn = a.rotation.conjugate() * b.rotation;
+  T s = T(0);
+  T c = T(1);
+  sin_cos(T(0.5) * different_rotation_rad<T>(), s, c);
+  if (abs(turn.w()) < c) return true;
+  const T distance_squared = (a.translation - centre).squaredNorm();
+  return (a.translation - b.translation).squaredNorm() >
+         square(different_centre_share<T>()) * distance_squared;
+}
+
+/// Samples needed so that one is free of wrong matches with the given confidence.
+template <class T>
+int samples_needed(int support, int count, T confidence, int most) {
+  const T w = static_cast<T>(support) / static_cast<T>(count);
+  const T clean = w * w * w;
+  if (!(clean < T(0.999))) return 1;
+  if (!(clean > T(1e-6))) return most;
+  const T needed = log(T(1) - confidence) / log(T(1) - clean);
+  return clamp(round_to_int(floor(needed)) + 1, 1, most);
+}
+
+/// The search: best hypothesis and the best one clearly different from it.
+template <class T>
+void search(const Problem<T>& problem, Random& random, Hypothesis<T>& best, Hypothesis<T>& second,
+            PoseRansacReport<T>& report) {
+  const int most = clamp(problem.options.max_hypotheses, 1, PoseRansacOptions<T>::kMaxHypotheses);
+  int needed = most;
+  std::uint8_t flags[kMaxPoseObservations];
+  Vector3<T> centre = Vector3<T>::Zero();
+  for (int h = 0; h < most && h < needed; ++h) {
+    int sample[kSampleSize];
+    draw_sample(random, problem.count, sample);
+    ++report.hypotheses;
+    Vector3<T> p_world[kSampleSize];
+    Vector3<T> bearing[kSampleSize];
+    for (int k = 0; k < kSampleSize; ++k) {
+      const PoseObservation<T>& m = problem.observations[sample[k]];
+      p_world[k] = m.p_world;
+      bearing[k] = problem.camera.unproject(m.pixel);
+    }
+    P3pSolutions<T> solutions;
+    if (!ok(solve_p3p(p_world, bearing, solutions))) continue;
+    for (int s = 0; s < solutions.count; ++s) {
+      ++report.poses;
+      Hypothesis<T> candidate;
+      candidate.pose = solutions.T_world_camera[s];
+      score(problem, second.score, candidate);
+      if (candidate.score > best.score) {
+        const Hypothesis<T> previous = best;
+        best = candidate;
+        mark_support(problem, best.pose, flags, centre);
+        needed = samples_needed(best.support, problem.count, problem.options.confidence, most);
+        if (second.score >= T(0) && !clearly_different(best.pose, second.pose, centre)) {
+          second = Hypothesis<T>();
+        }
+        candidate = previous;
+      }
+      if (candidate.score > second.score && clearly_different(best.pose, candidate.pose, centre)) {
+        second = candidate;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+template <class T>
+Status estimate_pose_ransac(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                            int count, const PoseRansacOptions<T>& options, Random& random,
+                            Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
+                            PoseRansacReport<T>& report, std::uint8_t* inlier_flags) {
+  const Problem<T> problem{camera, observations, count, options};
+  const Status status = check(problem);
+  if (!ok(status)) return status;
+
+  report = PoseRansacReport<T>();
+  Hypothesis<T> best;
+  Hypothesis<T> second;
+  search(problem, random, best, second, report);
+  if (report.poses == 0) return Status::kDegenerate;
+  report.support = best.support;
+  if (second.support > 0) {
+    report.second_support = second.support;
+    report.T_world_camera_second = second.pose;
+  }
+  report.ambiguous =
+      second.support > 0 &&
+      static_cast<T>(second.support) >= options.ambiguity_share * static_cast<T>(best.support);
+
+  // The second round takes in what the pose of a minimal sample missed.
+  Rigid<T> pose = best.pose;
+  PoseEstimate<T> result;
+  std::uint8_t support[kMaxPoseObservations];
+  std::uint8_t flags[kMaxPoseObservations];
+  PoseRefinementOptions<T> refinement = options.refinement;
+  refinement.min_inliers = kSampleSize + 1;
+  refinement.use_prior = false;
+  refinement.use_only = support;
+  for (int round = 0; round < 2; ++round) {
+    Vector3<T> centre;
+    if (mark_support(problem, pose, support, centre) < options.min_inliers) {
+      return Status::kNoConsensus;
+    }
+    const Status refined =
+        refine_pose(camera, observations, count, refinement, pose, result, flags);
+    if (!ok(refined)) return refined;
+  }
+  if (result.inliers < options.min_inliers) return Status::kNoConsensus;
+  T_world_camera = pose;
+  estimate = result;
+  if (inlier_flags != nullptr) {
+    for (int i = 0; i < count; ++i) inlier_flags[i] = flags[i];
+  }
+  return Status::kOk;
+}
+
+template Status estimate_pose_ransac(const PinholeCamera<float>&, const PoseObservation<float>*,
+                                     int, const PoseRansacOptions<float>&, Random&, Rigid<float>&,
+                                     PoseEstimate<float>&, PoseRansacReport<float>&, std::uint8_t*);
+template Status estimate_pose_ransac(const PinholeCamera<double>&, const PoseObservation<double>*,
+                                     int, const PoseRansacOptions<double>&, Random&, Rigid<double>&,
+                                     PoseEstimate<double>&, PoseRansacReport<double>&,
+                                     std::uint8_t*);
+
+}  // namespace cairn
