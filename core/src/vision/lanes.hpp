@@ -1,0 +1,240 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "word_dsp.hpp"
+
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#define CAIRN_VISION_HAS_VECTOR 1
+#elif defined(__ARM_NEON)
+#include <arm_neon.h>
+#define CAIRN_VISION_HAS_VECTOR 1
+#else
+#define CAIRN_VISION_HAS_VECTOR 0
+#endif
+
+namespace cairn::vision {
+
+/// A lane type packs kCount neighbouring pixels into one `Pixels` value. The kernels are written
+/// once over these operations, so back ends can differ in speed only:
+///   load, splat, min, max, sort (both of them), add/subtract with saturation, none (all zero),
+///   nonzero_mask (bit k set where lane k is not zero), store, and box_sum.
+/// box_sum may read, but never uses, up to 15 bytes beyond the right edge of each row of the box.
+
+/// One pixel at a time in plain C++: the reference that the others are tested against.
+struct PortableLanes {
+  static constexpr int kCount = 1;
+  using Pixels = std::uint32_t;
+
+  static Pixels load(const std::uint8_t* p) { return *p; }
+  static void store(std::uint8_t* p, Pixels v) { *p = static_cast<std::uint8_t>(v); }
+  static Pixels splat(int value) { return static_cast<Pixels>(value); }
+  static Pixels min(Pixels a, Pixels b) { return a < b ? a : b; }
+  static Pixels max(Pixels a, Pixels b) { return a > b ? a : b; }
+  static void sort(Pixels a, Pixels b, Pixels& high, Pixels& low) {
+    high = max(a, b);
+    low = min(a, b);
+  }
+  static Pixels add_saturated(Pixels a, Pixels b) { return min(a + b, 255U); }
+  static Pixels subtract_saturated(Pixels a, Pixels b) { return a > b ? a - b : 0U; }
+  static Pixels either(Pixels a, Pixels b) { return a | b; }
+  static bool none(Pixels v) { return v == 0; }
+  static std::uint32_t nonzero_mask(Pixels v) { return v != 0 ? 1U : 0U; }
+
+  static std::uint32_t box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
+                               int height) {
+    std::uint32_t sum = 0;
+    for (int y = 0; y < height; ++y, p += stride) {
+      for (int x = 0; x < width; ++x) sum += p[x];
+    }
+    return sum;
+  }
+};
+
+/// Four pixels in a 32-bit word.
+struct WordLanes {
+  static constexpr int kCount = 4;
+  using Pixels = std::uint32_t;
+
+  static Pixels load(const std::uint8_t* p) {
+    Pixels v = 0;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+  }
+  static void store(std::uint8_t* p, Pixels v) { std::memcpy(p, &v, sizeof v); }
+  static Pixels splat(int value) { return static_cast<Pixels>(value) * 0x01010101U; }
+  static Pixels min(Pixels a, Pixels b) { return min_u8x4(a, b); }
+  static Pixels max(Pixels a, Pixels b) { return max_u8x4(a, b); }
+  static void sort(Pixels a, Pixels b, Pixels& high, Pixels& low) { sort_u8x4(a, b, high, low); }
+  static Pixels add_saturated(Pixels a, Pixels b) { return add_saturated_u8x4(a, b); }
+  static Pixels subtract_saturated(Pixels a, Pixels b) { return subtract_saturated_u8x4(a, b); }
+  static Pixels either(Pixels a, Pixels b) { return a | b; }
+  static bool none(Pixels v) { return v == 0; }
+  static std::uint32_t nonzero_mask(Pixels v) {
+    return ((v & 0xFFU) != 0 ? 1U : 0U) | ((v & 0xFF00U) != 0 ? 2U : 0U) |
+           ((v & 0xFF0000U) != 0 ? 4U : 0U) | ((v & 0xFF000000U) != 0 ? 8U : 0U);
+  }
+
+  static std::uint32_t box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width, int height);
+};
+
+namespace detail {
+
+/// Rows of `Words` whole words and, where `mask` is set, a part of one more.
+template <int Words>
+inline std::uint32_t sum_rows(const std::uint8_t* p, std::ptrdiff_t stride, int height,
+                              std::uint32_t mask) {
+  std::uint32_t sum = 0;
+  do {
+    for (int i = 0; i < Words; ++i) sum = add_bytes_u8x4(WordLanes::load(p + 4 * i), sum);
+    if (mask != 0) sum = add_bytes_u8x4(WordLanes::load(p + 4 * Words) & mask, sum);
+    p += stride;
+  } while (--height > 0);
+  return sum;
+}
+
+}  // namespace detail
+
+inline std::uint32_t WordLanes::box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
+                                        int height) {
+  std::uint32_t sum = 0;
+  for (; width > 16; width -= 16, p += 16) sum += detail::sum_rows<4>(p, stride, height, 0);
+  const std::uint32_t mask = (1U << (8U * (static_cast<unsigned>(width) & 3U))) - 1U;
+  switch (width >> 2) {
+    case 0:
+      return sum + detail::sum_rows<0>(p, stride, height, mask);
+    case 1:
+      return sum + detail::sum_rows<1>(p, stride, height, mask);
+    case 2:
+      return sum + detail::sum_rows<2>(p, stride, height, mask);
+    case 3:
+      return sum + detail::sum_rows<3>(p, stride, height, mask);
+    default:
+      return sum + detail::sum_rows<4>(p, stride, height, 0);
+  }
+}
+
+#if CAIRN_VISION_HAS_VECTOR
+
+namespace detail {
+
+/// Bytes 16 - n onwards: n of 0xFF, then zeros.
+alignas(16) inline constexpr std::uint8_t kTailMask[32] = {
+    255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255, 255,
+    0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0,   0};
+
+}  // namespace detail
+
+#if defined(__SSE2__)
+
+/// Sixteen pixels in an SSE2 register.
+struct VectorLanes {
+  static constexpr int kCount = 16;
+  using Pixels = __m128i;
+
+  static Pixels load(const std::uint8_t* p) {
+    return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
+  }
+  static void store(std::uint8_t* p, Pixels v) {
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(p), v);
+  }
+  static Pixels splat(int value) { return _mm_set1_epi8(static_cast<char>(value)); }
+  static Pixels min(Pixels a, Pixels b) { return _mm_min_epu8(a, b); }
+  static Pixels max(Pixels a, Pixels b) { return _mm_max_epu8(a, b); }
+  static void sort(Pixels a, Pixels b, Pixels& high, Pixels& low) {
+    high = max(a, b);
+    low = min(a, b);
+  }
+  static Pixels add_saturated(Pixels a, Pixels b) { return _mm_adds_epu8(a, b); }
+  static Pixels subtract_saturated(Pixels a, Pixels b) { return _mm_subs_epu8(a, b); }
+  static Pixels either(Pixels a, Pixels b) { return _mm_or_si128(a, b); }
+  static bool none(Pixels v) { return nonzero_mask(v) == 0; }
+  static std::uint32_t nonzero_mask(Pixels v) {
+    const int zero = _mm_movemask_epi8(_mm_cmpeq_epi8(v, _mm_setzero_si128()));
+    return static_cast<std::uint32_t>(zero) ^ 0xFFFFU;
+  }
+
+  static std::uint32_t box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
+                               int height) {
+    const Pixels zero = _mm_setzero_si128();
+    Pixels sum = zero;
+    for (; width > 16; width -= 16, p += 16) {
+      const std::uint8_t* row = p;
+      for (int y = 0; y < height; ++y, row += stride) {
+        sum = _mm_add_epi32(sum, _mm_sad_epu8(load(row), zero));
+      }
+    }
+    const Pixels mask = load(detail::kTailMask + 16 - width);
+    for (int y = 0; y < height; ++y, p += stride) {
+      sum = _mm_add_epi32(sum, _mm_sad_epu8(_mm_and_si128(load(p), mask), zero));
+    }
+    return static_cast<std::uint32_t>(_mm_cvtsi128_si32(sum)) +
+           static_cast<std::uint32_t>(_mm_cvtsi128_si32(_mm_srli_si128(sum, 8)));
+  }
+};
+
+#else
+
+/// Sixteen pixels in a NEON register.
+struct VectorLanes {
+  static constexpr int kCount = 16;
+  using Pixels = uint8x16_t;
+
+  static Pixels load(const std::uint8_t* p) { return vld1q_u8(p); }
+  static void store(std::uint8_t* p, Pixels v) { vst1q_u8(p, v); }
+  static Pixels splat(int value) { return vdupq_n_u8(static_cast<std::uint8_t>(value)); }
+  static Pixels min(Pixels a, Pixels b) { return vminq_u8(a, b); }
+  static Pixels max(Pixels a, Pixels b) { return vmaxq_u8(a, b); }
+  static void sort(Pixels a, Pixels b, Pixels& high, Pixels& low) {
+    high = max(a, b);
+    low = min(a, b);
+  }
+  static Pixels add_saturated(Pixels a, Pixels b) { return vqaddq_u8(a, b); }
+  static Pixels subtract_saturated(Pixels a, Pixels b) { return vqsubq_u8(a, b); }
+  static Pixels either(Pixels a, Pixels b) { return vorrq_u8(a, b); }
+  static bool none(Pixels v) {
+    const uint64x2_t halves = vreinterpretq_u64_u8(v);
+    return (vgetq_lane_u64(halves, 0) | vgetq_lane_u64(halves, 1)) == 0;
+  }
+  static std::uint32_t nonzero_mask(Pixels v) {
+    std::uint8_t bytes[kCount];
+    store(bytes, v);
+    std::uint32_t mask = 0;
+    for (int i = 0; i < kCount; ++i) mask |= (bytes[i] != 0 ? 1U : 0U) << static_cast<unsigned>(i);
+    return mask;
+  }
+
+  static std::uint32_t box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
+                               int height) {
+    uint32x4_t sum = vdupq_n_u32(0);
+    for (; width > 16; width -= 16, p += 16) {
+      const std::uint8_t* row = p;
+      for (int y = 0; y < height; ++y, row += stride) {
+        sum = vpadalq_u16(sum, vpaddlq_u8(load(row)));
+      }
+    }
+    const Pixels mask = load(detail::kTailMask + 16 - width);
+    for (int y = 0; y < height; ++y, p += stride) {
+      sum = vpadalq_u16(sum, vpaddlq_u8(vandq_u8(load(p), mask)));
+    }
+    return vgetq_lane_u32(sum, 0) + vgetq_lane_u32(sum, 1) + vgetq_lane_u32(sum, 2) +
+           vgetq_lane_u32(sum, 3);
+  }
+};
+
+#endif
+#endif
+
+/// The back end of this build.
+#if CAIRN_VISION_HAS_VECTOR
+using NativeLanes = VectorLanes;
+#elif defined(__ARM_FEATURE_SIMD32)
+using NativeLanes = WordLanes;
+#else
+using NativeLanes = PortableLanes;
+#endif
+
+}  // namespace cairn::vision
