@@ -1,5 +1,7 @@
 #include "host_sim/commands/command.hpp"
+#include "host_sim/commands/consistency_command.hpp"
 #include "host_sim/commands/info_command.hpp"
+#include "host_sim/commands/merge_command.hpp"
 #include "host_sim/commands/run_command.hpp"
 
 namespace cairn::host {
@@ -7,6 +9,8 @@ namespace cairn::host {
 void register_commands(CommandContext& context) {
   register_run_command(context);
   register_info_command(context);
+  register_consistency_command(context);
+  register_merge_command(context);
 }
 
 }  // namespace cairn::host

@@ -1,0 +1,156 @@
+#include "host_sim/commands/consistency_command.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "cairn/numeric/math.hpp"
+
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/planar/experiment_files.hpp"
+#include "host_sim/planar/filter.hpp"
+#include "host_sim/run/build_info.hpp"
+
+namespace cairn::host {
+namespace {
+
+struct ConsistencyOptions {
+  int runs = 50;
+  double heading_variance = 0.0;
+  double position_variance = 1.0;
+  std::string odometry_noise = "s1";
+  std::optional<double> steering_noise_deg;
+  std::vector<std::string> filters{"dense-ekf", "reduced-jacobian", "ri-ekf"};
+  std::uint64_t seed = 1;
+  int threads = 0;
+  std::string shard = "1/1";
+  bool pictures = true;
+  std::filesystem::path out;
+};
+
+Shard parse_shard(const std::string& text) {
+  Shard shard;
+  const char* end = text.data() + text.size();
+  const auto index = std::from_chars(text.data(), end, shard.index);
+  bool good = index.ec == std::errc() && index.ptr != end && *index.ptr == '/';
+  if (good) {
+    const auto count = std::from_chars(index.ptr + 1, end, shard.count);
+    good = count.ec == std::errc() && count.ptr == end;
+  }
+  if (!good || shard.count < 1 || shard.index < 1 || shard.index > shard.count) {
+    throw UsageError(
+        fmt::format("--shard '{}': expected i/n with 1 <= i <= n, for example 3/8", text));
+  }
+  return shard;
+}
+
+ExperimentConfig make_config(const ConsistencyOptions& options) {
+  ExperimentConfig config;
+  config.runs = options.runs;
+  config.seed = options.seed;
+  config.filters = options.filters;
+  config.threads = options.threads;
+  config.shard = parse_shard(options.shard);
+  SimulationConfig& simulation = config.simulation;
+  simulation.heading_variance_rad2 = options.heading_variance;
+  simulation.position_variance_m2 = options.position_variance;
+  constexpr double kDegree = kPi<double> / 180.0;
+  const bool base = options.odometry_noise == "base";
+  simulation.speed_sigma_mps = base ? 0.05 : 0.1;
+  simulation.steering_sigma_rad = options.steering_noise_deg.value_or(base ? 2.0 : 5.0) * kDegree;
+  return config;
+}
+
+void check_filters(const std::vector<std::string>& filters) {
+  try {
+    for (const auto& filter : filters) (void)make_planar_filter(filter, 1);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--filters: {}", error.what()));
+  }
+}
+
+void write_manifest(const ConsistencyOptions& options, const std::string& command_line) {
+  const BuildInfo build = build_info();
+  const nlohmann::json manifest = {{"command", command_line},
+                                   {"seed", options.seed},
+                                   {"version", build.version},
+                                   {"compiler", build.compiler},
+                                   {"flags", build.flags},
+                                   {"cpu", build.cpu},
+                                   {"config", "see summary.json, experiment"},
+                                   {"inputs", nlohmann::json::object()}};
+  std::ofstream(options.out / "manifest.json") << manifest.dump(2) << '\n';
+}
+
+void run(const ConsistencyOptions& options, const std::string& command_line) {
+  const ExperimentConfig config = make_config(options);
+  check_filters(config.filters);
+  std::filesystem::create_directories(options.out);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const ExperimentResult result = run_experiment(config, [terminal](int done, int total) {
+    if (!terminal) return;
+    fmt::print(stderr, "\rrun {} of {} ({:.0f} %)", done, total, 100.0 * done / total);
+    std::fflush(stderr);
+  });
+  if (terminal) fmt::print(stderr, "\r{:40}\r", "");
+  write_manifest(options, command_line);
+  write_experiment(result, options.out);
+  fmt::print("{}", experiment_table(result));
+  if (options.pictures && config.shard.count == 1) draw_experiment(options.out);
+  fmt::print("results in {}\n", options.out.string());
+}
+
+void add_options(CLI::App& command, ConsistencyOptions& options) {
+  command.add_option("--runs", options.runs, "Monte-Carlo runs, over all shards")
+      ->check(CLI::Range(1, 100000))
+      ->required();
+  command
+      .add_option("--heading-variance", options.heading_variance,
+                  "Variance of the start heading, rad^2")
+      ->check(CLI::Range(0.0, 10.0))
+      ->required();
+  command
+      .add_option("--position-variance", options.position_variance,
+                  "Variance of each start coordinate, m^2")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
+  command
+      .add_option("--odometry-noise", options.odometry_noise,
+                  "s1: 0.1 m/s and 5 deg; base: 0.05 m/s and 2 deg")
+      ->check(CLI::IsMember({"s1", "base"}))
+      ->capture_default_str();
+  command
+      .add_option("--steering-noise", options.steering_noise_deg,
+                  "Standard deviation of the steering angle, deg, in place of the set's")
+      ->check(CLI::Range(0.0, 45.0));
+  command.add_option("--filters", options.filters, "Filters, separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of every run")->capture_default_str();
+  command.add_option("--threads", options.threads, "Threads, 0: all; never changes the result")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
+  command.add_option("--shard", options.shard, "Part i of n, for cairn_sim merge")
+      ->capture_default_str();
+  command.add_flag("!--no-pictures", options.pictures, "Do not draw");
+  command.add_option("--out", options.out, "Folder for the results")->required();
+}
+
+}  // namespace
+
+void register_consistency_command(CommandContext& context) {
+  CLI::App* command = context.app.add_subcommand(
+      "consistency", "Average NEES of planar SLAM filters over many simulated runs");
+  const auto options = std::make_shared<ConsistencyOptions>();
+  add_options(*command, *options);
+  command->callback([&context, options] { run(*options, context.command_line); });
+}
+
+}  // namespace cairn::host

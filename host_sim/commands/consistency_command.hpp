@@ -1,0 +1,10 @@
+#pragma once
+
+#include "host_sim/commands/command.hpp"
+
+namespace cairn::host {
+
+/// `cairn_sim consistency`: paper A's experiment 4.1, the average NEES over many runs.
+void register_consistency_command(CommandContext& context);
+
+}  // namespace cairn::host

@@ -1,0 +1,234 @@
+#include "host_sim/planar/experiment.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include "cairn/numeric/math.hpp"
+
+#include "host_sim/planar/filter.hpp"
+
+namespace cairn::host {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Resolutions: 1e-6 of NEES up to 1e7, 1.5e-11 m^2 up to 1e4, 5.7e-14 rad^2 up to 10; 8e5, 1.3e4
+// and 5e4 runs at the very largest sample fit 63 bits.
+constexpr double kNeesScale = 1048576.0;
+constexpr double kLargestNees = 1e7;
+constexpr double kPositionScale = 68719476736.0;
+constexpr double kLargestPosition = 1e4;
+constexpr double kHeadingScale = 17592186044416.0;
+constexpr double kLargestHeading = 10.0;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void add_landmarks(const SimulatedRun& run, const PlanarFilter& filter, int loop,
+                   FilterSums& sums) {
+  for (int i = 0; i < static_cast<int>(run.landmarks.size()); ++i) {
+    LandmarkEstimate estimate;
+    if (!filter.landmark(i, estimate)) continue;
+    sums.landmark_nees.add(loop,
+                           landmark_nees(estimate, run.landmarks[static_cast<std::size_t>(i)]));
+    ++sums.landmark_count[static_cast<std::size_t>(loop)];
+  }
+}
+
+void run_filter(const SimulationConfig& config, const SimulatedRun& run, FilterSums& sums,
+                SamplePath* sample) {
+  const auto filter = make_planar_filter(sums.filter, config.landmarks);
+  filter->initialise(run.estimated_start, run.start_covariance);
+  const int loop_steps = config.steps_per_loop();
+  for (int k = 0; k < config.steps(); ++k) {
+    const SimulatedStep& step = run.steps[static_cast<std::size_t>(k)];
+    const auto before_predict = Clock::now();
+    filter->predict(step.odometry);
+    sums.times.predict_s += seconds_since(before_predict);
+    ++sums.times.predictions;
+    if (step.has_update) {
+      const auto before_update = Clock::now();
+      filter->update(step.sightings, config.observation_sigma_m);
+      sums.times.update_s += seconds_since(before_update);
+      ++sums.times.updates;
+    }
+    const PoseEstimate estimate = filter->pose();
+    const double heading_error = wrap_angle(step.truth.heading - estimate.pose.heading);
+    sums.nees.add(k, pose_nees(estimate, step.truth));
+    sums.position_squared.add(k, (step.truth.position - estimate.pose.position).squaredNorm());
+    sums.heading_squared.add(k, heading_error * heading_error);
+    if (sample != nullptr) sample->poses.push_back(estimate);
+    if ((k + 1) % loop_steps == 0) add_landmarks(run, *filter, k / loop_steps, sums);
+  }
+}
+
+void merge_sums(FilterSums& sums, const FilterSums& other) {
+  sums.nees.add(other.nees);
+  sums.position_squared.add(other.position_squared);
+  sums.heading_squared.add(other.heading_squared);
+  sums.landmark_nees.add(other.landmark_nees);
+  for (std::size_t i = 0; i < sums.landmark_count.size(); ++i) {
+    sums.landmark_count[i] += other.landmark_count[i];
+  }
+  sums.times.predict_s += other.times.predict_s;
+  sums.times.update_s += other.times.update_s;
+  sums.times.predictions += other.times.predictions;
+  sums.times.updates += other.times.updates;
+}
+
+std::vector<int> runs_of_shard(const ExperimentConfig& config) {
+  std::vector<int> runs;
+  for (int run = config.shard.index - 1; run < config.runs; run += config.shard.count) {
+    runs.push_back(run);
+  }
+  return runs;
+}
+
+/// The work of one thread and the lock around what threads share.
+class Worker {
+ public:
+  Worker(const ExperimentConfig& config, const std::vector<int>& runs, ExperimentResult& result,
+         const std::function<void(int, int)>& progress)
+      : config_(config), runs_(runs), result_(result), progress_(progress) {}
+
+  void work() {
+    try {
+      std::vector<FilterSums> sums;
+      for (const auto& name : config_.filters) {
+        sums.push_back(make_filter_sums(name, config_.simulation));
+      }
+      for (std::size_t next = next_++; next < runs_.size() && !stop_; next = next_++) {
+        one_run(runs_[next], sums);
+      }
+      const std::lock_guard<std::mutex> lock(mutex_);
+      for (std::size_t f = 0; f < sums.size(); ++f) merge_sums(result_.filters[f], sums[f]);
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stop_ = true;
+      if (!error_) error_ = std::current_exception();
+    }
+  }
+
+  void rethrow() const {
+    if (error_) std::rethrow_exception(error_);
+  }
+
+ private:
+  void one_run(int number, std::vector<FilterSums>& sums) {
+    const SimulatedRun run = simulate_run(config_.simulation, config_.seed, number);
+    std::vector<SamplePath> sample;
+    for (auto& filter : sums) {
+      if (number == 0) sample.push_back({filter.filter, {}});
+      run_filter(config_.simulation, run, filter, number == 0 ? &sample.back() : nullptr);
+    }
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (number == 0) result_.sample = sample;
+    ++result_.runs_done;
+    if (progress_) progress_(result_.runs_done, static_cast<int>(runs_.size()));
+  }
+
+  const ExperimentConfig& config_;
+  const std::vector<int>& runs_;
+  ExperimentResult& result_;
+  const std::function<void(int, int)>& progress_;
+  std::atomic<std::size_t> next_{0};
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;
+  std::exception_ptr error_;
+};
+
+bool same_experiment(const ExperimentConfig& a, const ExperimentConfig& b) {
+  const SimulationConfig& p = a.simulation;
+  const SimulationConfig& q = b.simulation;
+  return a.runs == b.runs && a.seed == b.seed && a.filters == b.filters &&
+         a.shard.count == b.shard.count && p.landmarks == q.landmarks &&
+         p.speed_sigma_mps == q.speed_sigma_mps && p.steering_sigma_rad == q.steering_sigma_rad &&
+         p.position_variance_m2 == q.position_variance_m2 &&
+         p.heading_variance_rad2 == q.heading_variance_rad2 && p.loops == q.loops;
+}
+
+}  // namespace
+
+FilterSums make_filter_sums(const std::string& filter, const SimulationConfig& simulation) {
+  FilterSums sums;
+  sums.filter = filter;
+  sums.nees = FixedSums(simulation.steps(), kNeesScale, kLargestNees);
+  sums.position_squared = FixedSums(simulation.steps(), kPositionScale, kLargestPosition);
+  sums.heading_squared = FixedSums(simulation.steps(), kHeadingScale, kLargestHeading);
+  sums.landmark_nees = FixedSums(simulation.loops, kNeesScale, kLargestNees);
+  sums.landmark_count.assign(static_cast<std::size_t>(simulation.loops), 0);
+  return sums;
+}
+
+ExperimentResult run_experiment(const ExperimentConfig& config,
+                                const std::function<void(int, int)>& progress) {
+  ExperimentResult result;
+  result.config = config;
+  result.shards_done = {config.shard.index};
+  for (const auto& name : config.filters) {
+    result.filters.push_back(make_filter_sums(name, config.simulation));
+  }
+  const std::vector<int> runs = runs_of_shard(config);
+  const int machine = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int wanted = config.threads > 0 ? config.threads : machine;
+  const int threads = std::max(1, std::min(wanted, static_cast<int>(runs.size())));
+
+  Worker worker(config, runs, result, progress);
+  std::vector<std::thread> pool;
+  for (int i = 1; i < threads; ++i) pool.emplace_back([&worker] { worker.work(); });
+  worker.work();
+  for (auto& thread : pool) thread.join();
+  worker.rethrow();
+  return result;
+}
+
+void merge_experiment(ExperimentResult& result, const ExperimentResult& other) {
+  if (!same_experiment(result.config, other.config)) {
+    throw std::invalid_argument("the parts are not shards of one experiment");
+  }
+  for (const int shard : other.shards_done) {
+    if (std::count(result.shards_done.begin(), result.shards_done.end(), shard) > 0) {
+      throw std::invalid_argument("shard " + std::to_string(shard) + " is there twice");
+    }
+    result.shards_done.push_back(shard);
+  }
+  std::sort(result.shards_done.begin(), result.shards_done.end());
+  result.runs_done += other.runs_done;
+  for (std::size_t f = 0; f < result.filters.size(); ++f) {
+    merge_sums(result.filters[f], other.filters[f]);
+  }
+  if (result.sample.empty()) result.sample = other.sample;
+}
+
+LoopFigures loop_figures(const ExperimentResult& result, const FilterSums& sums, int loop) {
+  const int runs = result.runs_done;
+  const int count = result.config.simulation.steps_per_loop();
+  const Band band = average_nees_band(runs, 3);
+  LoopFigures figures;
+  int inside = 0;
+  double position = 0.0;
+  double heading = 0.0;
+  for (int k = loop * count; k < (loop + 1) * count; ++k) {
+    const double nees = sums.nees.mean(k, runs);
+    figures.nees_mean += nees / count;
+    if (band.contains(nees)) ++inside;
+    position += sums.position_squared.mean(k, runs) / count;
+    heading += sums.heading_squared.mean(k, runs) / count;
+  }
+  figures.inside_percent = 100.0 * inside / count;
+  figures.position_rmse_m = std::sqrt(position);
+  figures.heading_rmse_rad = std::sqrt(heading);
+  const auto landmarks = static_cast<int>(sums.landmark_count[static_cast<std::size_t>(loop)]);
+  if (landmarks > 0) figures.landmark_nees_mean = sums.landmark_nees.mean(loop, landmarks);
+  return figures;
+}
+
+}  // namespace cairn::host

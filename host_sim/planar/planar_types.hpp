@@ -1,0 +1,60 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Dense>
+
+namespace cairn::host {
+
+/// Vehicle pose in the world: position m, heading rad.
+struct PlanarPose {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double heading = 0.0;
+};
+
+/// One odometry step: the vehicle moves `forward_m` along its heading at the start of the step,
+/// then turns by `turn_rad` (paper A, equation (4)). `covariance` is that of (forward, turn).
+struct PlanarStep {
+  double forward_m = 0.0;
+  double turn_rad = 0.0;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+
+/// Position of landmark `landmark` in the vehicle frame, m.
+struct PointSighting {
+  int landmark = 0;
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();
+};
+
+/// Mean and covariance of (x, y, heading).
+struct PoseEstimate {
+  PlanarPose pose;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+/// Mean and covariance of a landmark's world position.
+struct LandmarkEstimate {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+
+inline Eigen::Matrix2d rotation2(double angle) {
+  Eigen::Matrix2d r;
+  r << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  return r;
+}
+
+/// The generator of rotations: d/dt rotation2(t) at t = 0.
+inline Eigen::Matrix2d rotation_generator() {
+  Eigen::Matrix2d j;
+  j << 0.0, -1.0, 1.0, 0.0;
+  return j;
+}
+
+/// Moves `pose` by `step` as the filters' motion model does (Euler).
+PlanarPose advance(const PlanarPose& pose, double forward_m, double turn_rad);
+
+/// Left Jacobian V(t) of SE(2): the translation part of exp is V(t) times the tangent's.
+Eigen::Matrix2d se2_left_jacobian(double angle);
+
+}  // namespace cairn::host

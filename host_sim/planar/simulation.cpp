@@ -1,0 +1,129 @@
+#include "host_sim/planar/simulation.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "cairn/numeric/math.hpp"
+
+#include "host_sim/planar/gaussian.hpp"
+
+namespace cairn::host {
+namespace {
+
+constexpr int kMostPlacementTries = 1000000;
+
+std::vector<Eigen::Vector2d> draw_map(const SimulationConfig& config, GaussianSource& source) {
+  std::vector<Eigen::Vector2d> map;
+  const double half = config.field_half_width_m;
+  int tries = 0;
+  while (static_cast<int>(map.size()) < config.landmarks) {
+    if (++tries > kMostPlacementTries) {
+      throw std::invalid_argument("the field has no room for so many landmarks at this spacing");
+    }
+    const double x = source.uniform(-half, half);
+    const double y = source.uniform(-half, half);
+    const Eigen::Vector2d candidate(x, y);
+    bool free = true;
+    for (const auto& other : map) {
+      free = free && (other - candidate).norm() >= config.landmark_spacing_m;
+    }
+    if (free) map.push_back(candidate);
+  }
+  return map;
+}
+
+/// Heading change of step k on the closed path.
+double path_turn(const SimulationConfig& config, int k) {
+  const int count = config.steps_per_loop();
+  const double phase = kTwoPi<double> * (k + 0.5) / count;
+  return kTwoPi<double> / count * (1.0 + config.corner_sharpness * std::cos(4.0 * phase));
+}
+
+PlanarPose path_start(const SimulationConfig& config) {
+  PlanarPose pose;
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  const int count = config.steps_per_loop();
+  for (int k = 0; k < count; ++k) {
+    pose = advance(pose, config.speed_mps * config.time_step_s, path_turn(config, k));
+    centre += pose.position / count;
+  }
+  PlanarPose start;
+  start.position = -centre;
+  return start;
+}
+
+std::vector<PointSighting> observe(const SimulationConfig& config, const PlanarPose& truth,
+                                   const std::vector<Eigen::Vector2d>& map,
+                                   GaussianSource& source) {
+  std::vector<PointSighting> sightings;
+  const Eigen::Matrix2d to_vehicle = rotation2(truth.heading).transpose();
+  for (int i = 0; i < static_cast<int>(map.size()); ++i) {
+    const Eigen::Vector2d point = to_vehicle * (map[i] - truth.position);
+    const double range = point.norm();
+    if (range >= config.range_m || range <= config.minimum_range_m) continue;
+    const double noise_x = source.normal(config.observation_sigma_m);
+    const double noise_y = source.normal(config.observation_sigma_m);
+    sightings.push_back({i, point + Eigen::Vector2d(noise_x, noise_y)});
+  }
+  return sightings;
+}
+
+}  // namespace
+
+int SimulationConfig::steps_per_loop() const {
+  return static_cast<int>(std::lround(loop_s / time_step_s));
+}
+
+PlanarStep ackermann_step(double speed_mps, double steering_rad, double time_step_s,
+                          double wheelbase_m, double speed_sigma_mps, double steering_sigma_rad) {
+  PlanarStep step;
+  const double slope = std::tan(steering_rad) / wheelbase_m;
+  step.forward_m = speed_mps * time_step_s;
+  step.turn_rad = step.forward_m * slope;
+  const double cosine = std::cos(steering_rad);
+  Eigen::Matrix2d b;
+  b << time_step_s * speed_sigma_mps, 0.0, time_step_s * slope * speed_sigma_mps,
+      step.forward_m / (wheelbase_m * cosine * cosine) * steering_sigma_rad;
+  step.covariance = b * b.transpose();
+  return step;
+}
+
+SimulatedRun simulate_run(const SimulationConfig& config, std::uint64_t seed, int run) {
+  GaussianSource map_source(stream_seed(seed, 2 * static_cast<std::uint64_t>(run)));
+  GaussianSource source(stream_seed(seed, 2 * static_cast<std::uint64_t>(run) + 1));
+
+  SimulatedRun result;
+  result.landmarks = draw_map(config, map_source);
+  result.true_start = path_start(config);
+  result.start_covariance =
+      Eigen::Vector3d(config.position_variance_m2, config.position_variance_m2,
+                      config.heading_variance_rad2)
+          .asDiagonal();
+  result.estimated_start = result.true_start;
+  for (int axis = 0; axis < 2; ++axis) {
+    result.estimated_start.position(axis) += source.normal(std::sqrt(config.position_variance_m2));
+  }
+  result.estimated_start.heading = wrap_angle(
+      result.true_start.heading + source.normal(std::sqrt(config.heading_variance_rad2)));
+
+  PlanarPose truth = result.true_start;
+  result.steps.resize(static_cast<std::size_t>(config.steps()));
+  for (int k = 0; k < config.steps(); ++k) {
+    SimulatedStep& step = result.steps[static_cast<std::size_t>(k)];
+    const double forward = config.speed_mps * config.time_step_s;
+    const double turn = path_turn(config, k);
+    truth = advance(truth, forward, turn);
+    const double steering = std::atan(turn * config.wheelbase_m / forward);
+    const double speed_noise = source.normal(config.speed_sigma_mps);
+    const double steering_noise = source.normal(config.steering_sigma_rad);
+    step.odometry = ackermann_step(config.speed_mps + speed_noise, steering + steering_noise,
+                                   config.time_step_s, config.wheelbase_m, config.speed_sigma_mps,
+                                   config.steering_sigma_rad);
+    step.truth = truth;
+    step.has_update = k % config.steps_per_update == 0;
+    if (step.has_update) step.sightings = observe(config, truth, result.landmarks, source);
+  }
+  return result;
+}
+
+}  // namespace cairn::host
