@@ -1,0 +1,354 @@
+#pragma once
+
+namespace cairn {
+
+// Error order: 0 e (heading), 1, 2 xi_x, then xi_i. J = [0 -1; 1 0]. P + B W B^T is the covariance,
+// B = [I3; -J p_i, 0]; W gathers g Q g^T with g = [0 1; R u_d, R u_a - J x']. Rows of the relative
+// vector in the world's axes: C = [0, -I, +I].
+
+#define CAIRN_GROUP_TEMPLATE template <class T, int MaxLandmarks, int LandmarkDim>
+#define CAIRN_GROUP GroupIekfSlam<T, MaxLandmarks, LandmarkDim>
+
+CAIRN_GROUP_TEMPLATE
+Status CAIRN_GROUP::initialise(const PlanarPose<T>& pose, const Matrix3<T>& covariance,
+                               const PlanarParameters<T>& parameters) {
+  const Status status = this->begin(pose, covariance, parameters);
+  if (!ok(status)) return status;
+  // Anchored at the estimate, x^ = 0 and xi_x is the plain position error.
+  this->heading_ = wrap_angle(pose.heading);
+  for (int i = 0; i < 2; ++i) {
+    this->x_[i] = T(0);
+    this->anchor_[i] = pose.position(i);
+  }
+  const int from[3] = {2, 0, 1};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) this->P_(i, j) = covariance(from[i], from[j]);
+  }
+  W_.setZero();
+  pending_ = false;
+  return Status::kOk;
+}
+
+/// Moments of R(e) m + xi with e ~ N(0, s2), c = Cov(xi, e), xi = Cov(xi), given as 00, 10, 11.
+CAIRN_GROUP_TEMPLATE
+typename CAIRN_GROUP::Moments CAIRN_GROUP::moments(const T* m, const T* c, const T* xi) const {
+  const T s2 = heading_variance();
+  const T rho = exp(T(-0.5) * s2);
+  const T rho2 = rho * rho;
+  const T rho4 = rho2 * rho2;
+  const T vc = T(0.5) * (T(1) + rho4) - rho2;
+  const T vs = T(0.5) * (T(1) - rho4);
+  const T jm[2] = {-m[1], m[0]};
+  Moments out;
+  out.mean[0] = rho * m[0];
+  out.mean[1] = rho * m[1];
+  out.cov[0] = vc * m[0] * m[0] + vs * jm[0] * jm[0] + T(2) * rho * jm[0] * c[0] + xi[0];
+  out.cov[1] = vc * m[0] * m[1] + vs * jm[0] * jm[1] + rho * (jm[0] * c[1] + jm[1] * c[0]) + xi[1];
+  out.cov[2] = vc * m[1] * m[1] + vs * jm[1] * jm[1] + T(2) * rho * jm[1] * c[1] + xi[2];
+  out.with_heading[0] = rho * s2 * jm[0] + c[0];
+  out.with_heading[1] = rho * s2 * jm[1] + c[1];
+  return out;
+}
+
+CAIRN_GROUP_TEMPLATE
+PlanarPose<T> CAIRN_GROUP::pose() const {
+  const T rho = exp(T(-0.5) * heading_variance());
+  PlanarPose<T> pose;
+  pose.position = {this->anchor_[0] + rho * this->x_[0], this->anchor_[1] + rho * this->x_[1]};
+  pose.heading = this->heading_;
+  return pose;
+}
+
+CAIRN_GROUP_TEMPLATE
+Matrix3<T> CAIRN_GROUP::pose_covariance() const {
+  const auto& P = this->P_;
+  const T c[2] = {P(1, 0) + W_(1, 0), P(2, 0) + W_(2, 0)};
+  const T xi[3] = {P(1, 1) + W_(1, 1), P(2, 1) + W_(2, 1), P(2, 2) + W_(2, 2)};
+  const Moments m = moments(this->x_, c, xi);
+  Matrix3<T> out;
+  out << m.cov[0], m.cov[1], m.with_heading[0], m.cov[1], m.cov[2], m.with_heading[1],
+      m.with_heading[0], m.with_heading[1], heading_variance();
+  return out;
+}
+
+CAIRN_GROUP_TEMPLATE
+Vector<T, LandmarkDim> CAIRN_GROUP::landmark_position(int slot) const {
+  const T rho = exp(T(-0.5) * heading_variance());
+  Vector<T, LandmarkDim> p = this->mean_landmark(slot);
+  for (int i = 0; i < 2; ++i) p(i) = this->anchor_[i] + rho * this->p_[slot][i];
+  return p;
+}
+
+CAIRN_GROUP_TEMPLATE
+Matrix<T, LandmarkDim, LandmarkDim> CAIRN_GROUP::landmark_covariance(int slot) const {
+  const auto& P = this->P_;
+  const int l = Base::state_of(slot);
+  const T b[2] = {this->p_[slot][1], -this->p_[slot][0]};  // -J p
+  const T w = W_(0, 0);
+  const T c[2] = {P(l, 0) + b[0] * w, P(l + 1, 0) + b[1] * w};
+  const T xi[3] = {P(l, l) + b[0] * w * b[0], P(l + 1, l) + b[0] * w * b[1],
+                   P(l + 1, l + 1) + b[1] * w * b[1]};
+  const Moments m = moments(this->p_[slot], c, xi);
+  Matrix<T, LandmarkDim, LandmarkDim> out;
+  out(0, 0) = m.cov[0];
+  out(0, 1) = m.cov[1];
+  out(1, 0) = m.cov[1];
+  out(1, 1) = m.cov[2];
+  if constexpr (LandmarkDim > 2) {
+    const T rho = exp(T(-0.5) * heading_variance());
+    const T with_e = P(l + 2, 0);
+    const T jm[2] = {-this->p_[slot][1], this->p_[slot][0]};
+    for (int i = 0; i < 2; ++i) {
+      out(2, i) = P(l + 2, l + i) + rho * jm[i] * with_e;
+      out(i, 2) = out(2, i);
+    }
+    out(2, 2) = P(l + 2, l + 2);
+  }
+  return out;
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::propagate(const PlanarIncrement<T>& increment) {
+  const detail::RelativeFrame<T> f = this->frame();
+  const Displacement<T> u = displacement(increment);
+  T step[2];
+  T by_distance[2];
+  T by_turn[2];
+  f.to_relative(u.u.data(), step);
+  f.to_relative(u.by_distance.data(), by_distance);
+  f.to_relative(u.by_turn.data(), by_turn);
+  this->x_[0] += step[0];
+  this->x_[1] += step[1];
+  this->heading_ = wrap_angle(this->heading_ + increment.turn_rad);
+
+  const T g[3][2] = {{T(0), T(1)},
+                     {by_distance[0], by_turn[0] + this->x_[1]},
+                     {by_distance[1], by_turn[1] - this->x_[0]}};
+  const Matrix2<T>& q = increment.covariance;
+  for (int i = 0; i < 3; ++i) {
+    const T gq0 = g[i][0] * q(0, 0) + g[i][1] * q(1, 0);
+    const T gq1 = g[i][0] * q(0, 1) + g[i][1] * q(1, 1);
+    for (int j = 0; j <= i; ++j) W_(i, j) += gq0 * g[j][0] + gq1 * g[j][1];
+  }
+  W_(0, 1) = W_(1, 0);
+  W_(0, 2) = W_(2, 0);
+  W_(1, 2) = W_(2, 1);
+  pending_ = true;
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::widen_pose_by(T position_variance, T heading_variance) {
+  const T g[3] = {T(1), this->x_[1], -this->x_[0]};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) W_(i, j) += g[i] * heading_variance * g[j];
+  }
+  W_(1, 1) += position_variance;
+  W_(2, 2) += position_variance;
+  pending_ = true;
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::begin_update() {
+  if (!pending_) return;
+  b_[0] = T(1);
+  b_[1] = T(0);
+  b_[2] = T(0);
+  for (int j = 0; j < 3; ++j) wb_[j] = -W_(0, j);
+  for (int slot = 0; slot < this->table_.size(); ++slot) {
+    T* b = b_ + Base::state_of(slot);
+    T* wb = wb_ + Base::state_of(slot);
+    b[0] = this->p_[slot][1];
+    b[1] = -this->p_[slot][0];
+    wb[0] = -W_(0, 0) * b[0];
+    wb[1] = -W_(0, 0) * b[1];
+    if constexpr (LandmarkDim > 2) {
+      b[2] = T(0);
+      wb[2] = T(0);
+    }
+  }
+}
+
+/// B W B^T as one asymmetric product over the lower triangle; rows 1 and 2 follow in
+/// pending_done().
+CAIRN_GROUP_TEMPLATE
+int CAIRN_GROUP::pending(const T** rows, const T** columns) const {
+  if (!pending_) return 0;
+  rows[0] = b_;
+  columns[0] = wb_;
+  return 1;
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::pending_done() {
+  for (int i = 1; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) this->P_(i, j) += W_(i, j);
+  }
+  W_.setZero();
+  pending_ = false;
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::add_pending_now() {
+  begin_update();
+  this->flush(0);
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::hash_pending(Hash64& hash) const {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) hash.add(W_(i, j));
+  }
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::append_landmark(const Vector<T, LandmarkDim>& y,
+                                  const Matrix<T, LandmarkDim, LandmarkDim>& R) {
+  add_pending_now();
+  Matrix<T, LandmarkDim, LandmarkDim> noise;
+  const int first = this->place_landmark(y, R, noise);
+  auto& P = this->P_;
+  for (int i = 0; i < 2; ++i) {
+    T* row = P.row(first + i);
+    for (int j = 0; j < first; ++j) row[j] = P(1 + i, j);
+  }
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j <= i; ++j) P(first + i, first + j) = P(1 + i, 1 + j) + noise(i, j);
+  }
+  if constexpr (LandmarkDim > 2) {
+    for (int j = 0; j < LandmarkDim; ++j) P(first + 2, first + j) = noise(2, j);
+  }
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::relative_of(int slot, const T* v, T* out) const {
+  const T* l = v + Base::state_of(slot);
+  out[0] = l[0] - v[1];
+  out[1] = l[1] - v[2];
+  if constexpr (LandmarkDim > 2) out[2] = l[2];
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::relative_covariance(int slot, detail::RelativeCovariance<T>& out) const {
+  const auto& P = this->P_;
+  const int l = Base::state_of(slot);
+  out.s[0] = P(l, l) - T(2) * P(l, 1) + P(1, 1);
+  out.s[1] = P(l + 1, l) - P(l + 1, 1) - P(l, 2) + P(2, 1);
+  out.s[2] = P(l + 1, l + 1) - T(2) * P(l + 1, 2) + P(2, 2);
+  if constexpr (LandmarkDim > 2) {
+    out.s[3] = P(l + 2, l) - P(l + 2, 1);
+    out.s[4] = P(l + 2, l + 1) - P(l + 2, 2);
+    out.s[5] = P(l + 2, l + 2);
+  }
+  if (!pending_) return;
+  // C B = [-J p, -I].
+  const T b[2] = {this->p_[slot][1], -this->p_[slot][0]};
+  out.s[0] += b[0] * (b[0] * W_(0, 0) - T(2) * W_(1, 0)) + W_(1, 1);
+  out.s[1] += b[0] * b[1] * W_(0, 0) - b[1] * W_(1, 0) - b[0] * W_(2, 0) + W_(2, 1);
+  out.s[2] += b[1] * (b[1] * W_(0, 0) - T(2) * W_(2, 0)) + W_(2, 2);
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::relative_columns(int slot, T* c0, T* c1, T* c2) const {
+  const auto& P = this->P_;
+  const int n = P.size();
+  const int l = Base::state_of(slot);
+  const T* x = P.row(l);
+  const T* y = P.row(l + 1);
+  for (int j = 0; j < 3; ++j) {
+    c0[j] = x[j] - P(j, 1);
+    c1[j] = y[j] - P(j, 2);
+  }
+  const T* row = P.row(3);
+  for (int j = 3; j < l; ++j) {
+    c0[j] = x[j] - row[1];
+    c1[j] = y[j] - row[2];
+    row += j + 1;
+  }
+  c0[l] = row[l] - row[1];
+  c1[l] = y[l] - row[2];
+  row += l + 1;
+  for (int j = l + 1; j < n; ++j) {
+    c0[j] = row[l] - row[1];
+    c1[j] = row[l + 1] - row[2];
+    row += j + 1;
+  }
+  if constexpr (LandmarkDim > 2) {
+    if (c2 != nullptr) {
+      const T* height = P.row(l + 2);
+      for (int j = 0; j < l + 2; ++j) c2[j] = height[j];
+      for (int j = l + 2; j < n; ++j) c2[j] = P.row(j)[l + 2];
+    }
+  }
+  if (!pending_) return;
+  // + B W (C B)^T.
+  const T b[2] = {this->p_[slot][1], -this->p_[slot][0]};
+  T m0[3];
+  T m1[3];
+  for (int k = 0; k < 3; ++k) {
+    m0[k] = b[0] * W_(k, 0) - W_(k, 1);
+    m1[k] = b[1] * W_(k, 0) - W_(k, 2);
+  }
+  for (int j = 0; j < 3; ++j) {
+    c0[j] += m0[j];
+    c1[j] += m1[j];
+  }
+  for (int j = 3; j < n; ++j) {
+    c0[j] += b_[j] * m0[0];
+    c1[j] += b_[j] * m1[0];
+  }
+}
+
+CAIRN_GROUP_TEMPLATE
+typename CAIRN_GROUP::Trial CAIRN_GROUP::begin_trial(const T* d) const {
+  // V(t) of the exponential: sin t / t and (1 - cos t) / t = sin^2(t/2) / (t/2).
+  Trial trial;
+  const T t = clamp(d[0], -kPi<T>, kPi<T>);
+  T sine = T(0);
+  T cosine = T(1);
+  if (abs(t) < T(1e-4)) {
+    trial.v00 = T(1) - t * t / T(6);
+    trial.v01 = T(0.5) * t;
+    return trial;
+  }
+  sin_cos(T(0.5) * t, sine, cosine);
+  trial.v00 = T(2) * sine * cosine / t;
+  trial.v01 = T(2) * sine * sine / t;
+  return trial;
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::relative_after(int slot, const T* d, const Trial& trial, T* out) const {
+  // R(t)^T V(t) = V(t)^T.
+  const T* l = d + Base::state_of(slot);
+  const T x = l[0] - d[1];
+  const T y = l[1] - d[2];
+  out[0] = this->p_[slot][0] - this->x_[0] + trial.v00 * x + trial.v01 * y;
+  out[1] = this->p_[slot][1] - this->x_[1] + trial.v00 * y - trial.v01 * x;
+  if constexpr (LandmarkDim > 2) out[2] = this->p_[slot][2] + l[2];
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::correct(const T* d) {
+  const T t = clamp(d[0], -kPi<T>, kPi<T>);
+  T sine = T(0);
+  T cosine = T(1);
+  sin_cos(t, sine, cosine);
+  const Trial v = begin_trial(d);
+  const auto move = [&](T* p, const T* xi) {
+    const T x = p[0];
+    p[0] = cosine * x - sine * p[1] + v.v00 * xi[0] - v.v01 * xi[1];
+    p[1] = sine * x + cosine * p[1] + v.v01 * xi[0] + v.v00 * xi[1];
+  };
+  this->heading_ = wrap_angle(this->heading_ + t);
+  move(this->x_, d + 1);
+  for (int slot = 0; slot < this->table_.size(); ++slot) {
+    const T* l = d + Base::state_of(slot);
+    move(this->p_[slot], l);
+    if constexpr (LandmarkDim > 2) this->p_[slot][2] += l[2];
+  }
+}
+
+#undef CAIRN_GROUP_TEMPLATE
+#undef CAIRN_GROUP
+
+}  // namespace cairn

@@ -1,0 +1,208 @@
+#pragma once
+
+namespace cairn::detail {
+
+CAIRN_PLANAR_TEMPLATE
+Status CAIRN_PLANAR_FILTER::predict_pixel(int slot, const PinholeCamera<T>& camera,
+                                          const Rigid<T>& T_vehicle_camera, T sigma_px,
+                                          PixelPrediction<T>& prediction) const {
+  if constexpr (LandmarkDim != 3) {
+    return Status::kInvalidArgument;
+  } else {
+    if (!initialised_) return Status::kNotInitialised;
+    if (slot < 0 || slot >= table_.size()) return Status::kNotFound;
+    if (!(sigma_px > T(0))) return Status::kInvalidArgument;
+    CameraView<T> view(camera, T_vehicle_camera, sigma_px);
+    view.frame = derived().frame();
+    T relative[3];
+    RelativeCovariance<T> covariance;
+    derived().relative(slot, relative);
+    derived().relative_covariance(slot, covariance);
+    Pair pair;
+    Vector3<T> p_camera;
+    if (!linearise(view, relative, covariance, pair, p_camera)) return Status::kOutOfView;
+    const Vector2<T> pixel(-pair.innovation[0], -pair.innovation[1]);
+    if (!camera.contains(pixel)) return Status::kOutOfView;
+    const InnovationCovariance<T> s = innovation_covariance(pair, covariance);
+    prediction.id = table_.id(slot);
+    prediction.slot = slot;
+    prediction.pixel = pixel;
+    prediction.covariance << s.s00, s.s01, s.s01, s.s11;
+    prediction.p_camera = p_camera;
+    return Status::kOk;
+  }
+}
+
+CAIRN_PLANAR_TEMPLATE
+int CAIRN_PLANAR_FILTER::resolve(const PixelMatch<T>& match) const {
+  const bool same = match.slot >= 0 && match.slot < table_.size() && match.id != kNoLandmark &&
+                    table_.id(match.slot) == match.id;
+  return same ? match.slot : find(match.id);
+}
+
+CAIRN_PLANAR_TEMPLATE
+Status CAIRN_PLANAR_FILTER::check_pixels(const PinholeCamera<T>& camera, T sigma_px,
+                                         const PixelMatch<T>* matches, int count) const {
+  if (!initialised_) return Status::kNotInitialised;
+  if (count < 0 || count > kMaxObservations || (count > 0 && matches == nullptr)) {
+    return Status::kInvalidArgument;
+  }
+  bool finite = is_finite(sigma_px);
+  for (int i = 0; i < count; ++i) finite = finite && all_finite(matches[i].pixel);
+  if (!finite) return Status::kNonFiniteInput;
+  if (!(sigma_px > T(0))) return Status::kInvalidArgument;
+  return camera.validate();
+}
+
+/// Fills pairs_ with the matches inside their own gates; the number of them.
+CAIRN_PLANAR_TEMPLATE
+int CAIRN_PLANAR_FILTER::collect_pixels(const CameraView<T>& view, const PixelMatch<T>* matches,
+                                        int count, UpdateReport& report) {
+  int candidates = 0;
+  for (int i = 0; i < count; ++i) {
+    const int slot = resolve(matches[i]);
+    if (slot < 0) continue;
+    ++report.matches;
+    T relative[3];
+    RelativeCovariance<T> covariance;
+    derived().relative(slot, relative);
+    derived().relative_covariance(slot, covariance);
+    Pair& pair = pairs_[candidates];
+    Vector3<T> p_camera;
+    pair.slot = slot;
+    pair.source = i;
+    if (!linearise(view, relative, covariance, pair, p_camera)) {
+      refuse(slot, report);
+      continue;
+    }
+    pair.innovation[0] += matches[i].pixel.x();
+    pair.innovation[1] += matches[i].pixel.y();
+    if (admit(pair, covariance, parameters_.gate, report)) ++candidates;
+  }
+  return candidates;
+}
+
+/// Moves the mean by the correction of one candidate alone and counts the candidates whose pixel
+/// then agrees to within the measurement noise.
+CAIRN_PLANAR_TEMPLATE
+int CAIRN_PLANAR_FILTER::hypothesis(const CameraView<T>& view, const PixelMatch<T>* matches,
+                                    int candidate, int count, bool* supporters) {
+  const int n = P_.size();
+  const Pair& pair = pairs_[candidate];
+  columns(pair, w_[0], w_[1]);
+  T relative[3];
+  derived().relative_of(pair.slot, w_[0], relative);
+  InnovationCovariance<T> s;
+  s.s00 = pair.row(0, relative) + pair.r00;
+  s.s01 = pair.row(1, relative) + pair.r01;
+  derived().relative_of(pair.slot, w_[1], relative);
+  s.s11 = pair.row(1, relative) + pair.r11;
+  T a = T(0);
+  T b = T(0);
+  T c = T(0);
+  if (!s.invert(a, b, c)) return 0;
+  const T y0 = a * pair.innovation[0] + b * pair.innovation[1];
+  const T y1 = b * pair.innovation[0] + c * pair.innovation[1];
+  for (int i = 0; i < n; ++i) d_[i] = w_[0][i] * y0 + w_[1][i] * y1;
+
+  const auto trial = derived().begin_trial(d_);
+  const T limit = parameters_.ransac_threshold * view.variance_px;
+  int support = 0;
+  for (int k = 0; k < count; ++k) {
+    derived().relative_after(pairs_[k].slot, d_, trial, relative);
+    Vector2<T> pixel;
+    if (!ok(view.camera->project(view.to_camera(relative), pixel))) continue;
+    const Vector2<T> residual = matches[pairs_[k].source].pixel - pixel;
+    if (!(residual.dot(residual) <= limit)) continue;
+    supporters[k] = true;
+    ++support;
+  }
+  return support;
+}
+
+/// Looks at pairs_[first .. count) again from the corrected state and keeps, from `first` on, those
+/// that fit now; the number kept.
+CAIRN_PLANAR_TEMPLATE
+int CAIRN_PLANAR_FILTER::rescue(CameraView<T>& view, const PixelMatch<T>* matches, int first,
+                                int count, UpdateReport& report) {
+  view.frame = derived().frame();
+  int kept = 0;
+  for (int k = first; k < count; ++k) {
+    const int slot = pairs_[k].slot;
+    const int source = pairs_[k].source;
+    Pair& pair = pairs_[first + kept];
+    T relative[3];
+    RelativeCovariance<T> covariance;
+    derived().relative(slot, relative);
+    derived().relative_covariance(slot, covariance);
+    Vector3<T> p_camera;
+    pair.slot = slot;
+    pair.source = source;
+    if (!linearise(view, relative, covariance, pair, p_camera)) {
+      refuse(slot, report);
+      continue;
+    }
+    pair.innovation[0] += matches[source].pixel.x();
+    pair.innovation[1] += matches[source].pixel.y();
+    if (admit(pair, covariance, parameters_.rescue_gate, report)) ++kept;
+  }
+  return kept;
+}
+
+CAIRN_PLANAR_TEMPLATE
+Status CAIRN_PLANAR_FILTER::update_pixels(const PinholeCamera<T>& camera,
+                                          const Rigid<T>& T_vehicle_camera, T sigma_px,
+                                          PixelMatch<T>* matches, int count, Random& random,
+                                          UpdateReport& report) {
+  if constexpr (LandmarkDim != 3) {
+    return Status::kInvalidArgument;
+  } else {
+    const Status status = check_pixels(camera, sigma_px, matches, count);
+    if (status == Status::kNonFiniteInput) ++health_.non_finite_inputs;
+    if (!ok(status)) return status;
+
+    report = UpdateReport{};
+    refused_count_ = 0;
+    for (int i = 0; i < count; ++i) matches[i].inlier = false;
+    CameraView<T> view(camera, T_vehicle_camera, sigma_px);
+    view.frame = derived().frame();
+    const int candidates = collect_pixels(view, matches, count, report);
+
+    derived().begin_update();
+    const auto best = one_point_ransac<kMaxObservations>(
+        candidates, parameters_.ransac, random, [&](int candidate, bool* supporters) {
+          return hypothesis(view, matches, candidate, candidates, supporters);
+        });
+    report.hypotheses = best.hypotheses;
+    if (!best.consensus) {
+      ++health_.ransac_no_consensus;
+      refused_count_ = 0;
+      // The next prediction may widen the pose, this call may not.
+      if (parameters_.reacquire_after > 0 && report.matches > 0) {
+        widen_next_ = ++refused_in_row_ >= parameters_.reacquire_after;
+      }
+      return Status::kNoConsensus;
+    }
+
+    int low = 0;
+    for (int k = 0; k < candidates; ++k) {
+      if (!best.supporters[k]) continue;
+      const Pair supporter = pairs_[k];
+      pairs_[k] = pairs_[low];
+      pairs_[low++] = supporter;
+    }
+    report.low_innovation = low;
+    use(0, low, report);
+    const int high = rescue(view, matches, low, candidates, report);
+    report.high_innovation = high;
+    use(low, high, report);
+    for (int k = 0; k < low + high; ++k) matches[pairs_[k].source].inlier = true;
+    conclude(low + high, report);
+    return Status::kOk;
+  }
+}
+
+}  // namespace cairn::detail
+
+#undef CAIRN_PLANAR_TEMPLATE
+#undef CAIRN_PLANAR_FILTER

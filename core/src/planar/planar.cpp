@@ -1,0 +1,14 @@
+// Instantiates the planar filters once inside the core, so that its rules (warnings as errors, no
+// double in float code, no heap) hold for their templates too.
+#include "cairn/planar/ekf_slam.hpp"
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/runtime/config.hpp"
+
+namespace cairn {
+
+template class EkfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
+template class EkfSlam<double, DefaultConfig::kMaxLandmarks, 2>;
+template class GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
+template class GroupIekfSlam<double, DefaultConfig::kMaxLandmarks, 2>;
+
+}  // namespace cairn
