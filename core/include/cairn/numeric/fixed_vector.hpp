@@ -5,12 +5,13 @@
 
 namespace cairn {
 
-/// Vector of at most `Capacity` elements with its storage inside: no heap, trivially copyable.
+/// Vector of at most `Capacity` elements with its storage inside: no heap.
 /// Elements are plain values; an element beyond size() keeps whatever it held last.
 template <class T, int Capacity>
 class FixedVector {
   static_assert(Capacity > 0, "capacity must be positive");
-  static_assert(std::is_trivially_copyable<T>::value, "elements are copied as plain bytes");
+  // Not is_trivially_copyable: fixed-size Eigen types declare their own assignment.
+  static_assert(std::is_trivially_destructible<T>::value, "elements are plain values");
 
  public:
   using value_type = T;
