@@ -18,6 +18,18 @@ if(CAIRN_WERROR)
   target_compile_options(cairn_warnings INTERFACE -Werror)
 endif()
 
+# cairn_bare_metal: what firmware adds. Heap calls are compile errors, Eigen's assertions (which need
+# stdio) are off, and GCC writes the call graph with stack sizes that tests/gates read.
+add_library(cairn_bare_metal INTERFACE)
+if(CAIRN_BARE_METAL)
+  target_compile_definitions(cairn_bare_metal INTERFACE EIGEN_NO_DEBUG)
+  target_compile_options(cairn_bare_metal INTERFACE
+    $<$<COMPILE_LANGUAGE:CXX>:SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/no_heap.h>)
+  if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    target_compile_options(cairn_bare_metal INTERFACE -fcallgraph-info=su)
+  endif()
+endif()
+
 if(CAIRN_SANITIZE)
   add_compile_options(-fsanitize=${CAIRN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${CAIRN_SANITIZE})

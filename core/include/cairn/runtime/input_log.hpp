@@ -1,0 +1,303 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/geometry/camera.hpp"
+#include "cairn/geometry/rigid.hpp"
+#include "cairn/numeric/status.hpp"
+#include "cairn/runtime/frame_report.hpp"
+#include "cairn/vision/image.hpp"
+
+namespace cairn {
+
+/// Input log: everything that a run's result depends on, in one stream of bytes that replays on any
+/// target. Little endian. "CAIRNLOG", then records of {u8 type, u8[3] zero, u32 payload bytes,
+/// payload, u32 CRC-32 (IEEE 802.3) of all before it in the record}: one header, then odometry and
+/// frames in time order, then one end record with their counts.
+inline constexpr std::uint16_t kInputLogVersion = 1;
+
+enum class LogMode : std::uint8_t { kVehicle = 0, kHandheld = 1 };
+enum class LogFilter : std::uint8_t { kGroupIekf = 0, kLiftedIekf = 1, kEkf = 2, kMono = 3 };
+
+/// What a tracker is set up with. Float throughout: the host rounds once, when it writes the log,
+/// so that boards without double read the same numbers.
+struct InputLogHeader {
+  LogMode mode = LogMode::kVehicle;
+  LogFilter filter = LogFilter::kGroupIekf;
+  OdometrySample::Kind odometry_kind = OdometrySample::Kind::kTwist;
+  bool adaptive_fading = false;
+  float fading = 1.0F;  ///< fading-memory factor S, 1 <= S <= 2
+  std::uint64_t seed = 1;
+  PinholeCamera<float> camera;
+  Rigid<float> T_vehicle_camera;
+  float speed_sigma_mps = 0.0F;
+  float turn_sigma = 0.0F;   ///< rad/s (kTwist) or rad (kAckermann)
+  float wheelbase_m = 0.0F;  ///< kAckermann alone
+  float odometry_period_s = 0.1F;
+  float frame_rate_hz = 30.0F;
+  float start_x_m = 0.0F;
+  float start_y_m = 0.0F;
+  float start_theta_rad = 0.0F;
+  float start_position_variance = 0.0F;
+  float start_heading_variance = 0.0F;
+
+  /// kBadConfig unless every value is finite and in its domain.
+  Status validate() const;
+};
+
+struct LogFrame {
+  std::uint32_t number = 0;
+  std::int64_t t_us = 0;
+};
+
+enum class LogEvent : std::uint8_t { kOdometry, kFrame, kEnd };
+
+namespace detail {
+
+inline constexpr int kLogMagicBytes = 8;
+inline constexpr int kLogRecordHeadBytes = 8;
+inline constexpr int kLogHeaderBytes = 128;
+inline constexpr int kLogOdometryBytes = 20;
+inline constexpr int kLogFrameHeadBytes = 16;
+inline constexpr int kLogEndBytes = 8;
+
+enum class LogRecord : std::uint8_t { kHeader = 1, kOdometry = 2, kFrame = 3, kEnd = 4 };
+
+/// CRC-32 as zlib's crc32(): start with 0, feed the result back in.
+std::uint32_t crc32(std::uint32_t crc, const std::uint8_t* bytes, int count);
+
+void encode_magic(std::uint8_t (&bytes)[kLogMagicBytes]);
+bool is_magic(const std::uint8_t (&bytes)[kLogMagicBytes]);
+void encode_record_head(LogRecord type, std::uint32_t payload_bytes,
+                        std::uint8_t (&bytes)[kLogRecordHeadBytes]);
+/// kCorrupt when the head is no head of a record.
+Status decode_record_head(const std::uint8_t (&bytes)[kLogRecordHeadBytes], LogRecord& type,
+                          std::uint32_t& payload_bytes);
+void encode_u32(std::uint32_t value, std::uint8_t (&bytes)[4]);
+std::uint32_t decode_u32(const std::uint8_t (&bytes)[4]);
+void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]);
+/// kVersionMismatch, or kBadConfig as InputLogHeader::validate().
+Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], InputLogHeader& header);
+void encode_odometry(const OdometrySample& sample, std::uint8_t (&bytes)[kLogOdometryBytes]);
+/// kCorrupt for an unknown kind. The numbers are the tracker's to judge.
+Status decode_odometry(const std::uint8_t (&bytes)[kLogOdometryBytes], OdometrySample& sample);
+void encode_frame_head(const LogFrame& frame, int width, int height,
+                       std::uint8_t (&bytes)[kLogFrameHeadBytes]);
+void decode_frame_head(const std::uint8_t (&bytes)[kLogFrameHeadBytes], LogFrame& frame, int& width,
+                       int& height);
+void encode_end(std::uint32_t samples, std::uint32_t frames, std::uint8_t (&bytes)[kLogEndBytes]);
+void decode_end(const std::uint8_t (&bytes)[kLogEndBytes], std::uint32_t& samples,
+                std::uint32_t& frames);
+
+}  // namespace detail
+
+/// Writes an input log. Sink: `bool write(const std::uint8_t* bytes, int count)`, false when the
+/// bytes could not be stored; every call then returns kFull.
+template <class Sink>
+class InputLogWriter {
+ public:
+  explicit InputLogWriter(Sink& sink) : sink_(sink) {}
+
+  /// First call. kBadConfig as InputLogHeader::validate().
+  Status begin(const InputLogHeader& header) {
+    const Status valid = header.validate();
+    if (!ok(valid)) return valid;
+    width_ = header.camera.width;
+    height_ = header.camera.height;
+    std::uint8_t magic[detail::kLogMagicBytes];
+    detail::encode_magic(magic);
+    if (!sink_.write(magic, detail::kLogMagicBytes)) return Status::kFull;
+    std::uint8_t bytes[detail::kLogHeaderBytes];
+    detail::encode_header(header, bytes);
+    return record(detail::LogRecord::kHeader, bytes);
+  }
+
+  Status odometry(const OdometrySample& sample) {
+    std::uint8_t bytes[detail::kLogOdometryBytes];
+    detail::encode_odometry(sample, bytes);
+    ++samples_;
+    return record(detail::LogRecord::kOdometry, bytes);
+  }
+
+  /// kInvalidArgument unless the image has the size of the header's camera.
+  Status frame(const LogFrame& frame, const ImageView& image) {
+    if (!image.valid() || image.width != width_ || image.height != height_) {
+      return Status::kInvalidArgument;
+    }
+    std::uint8_t head[detail::kLogFrameHeadBytes];
+    detail::encode_frame_head(frame, width_, height_, head);
+    ++frames_;
+    open_record(detail::LogRecord::kFrame,
+                static_cast<std::uint32_t>(detail::kLogFrameHeadBytes + width_ * height_));
+    put(head, detail::kLogFrameHeadBytes);
+    for (int y = 0; y < height_; ++y) put(image.row(y), width_);
+    return close_record();
+  }
+
+  /// Last call.
+  Status end() {
+    std::uint8_t bytes[detail::kLogEndBytes];
+    detail::encode_end(samples_, frames_, bytes);
+    return record(detail::LogRecord::kEnd, bytes);
+  }
+
+ private:
+  template <int Count>
+  Status record(detail::LogRecord type, const std::uint8_t (&payload)[Count]) {
+    open_record(type, Count);
+    put(payload, Count);
+    return close_record();
+  }
+  void open_record(detail::LogRecord type, std::uint32_t payload_bytes) {
+    crc_ = 0;
+    stored_ = true;
+    std::uint8_t head[detail::kLogRecordHeadBytes];
+    detail::encode_record_head(type, payload_bytes, head);
+    put(head, detail::kLogRecordHeadBytes);
+  }
+  void put(const std::uint8_t* bytes, int count) {
+    crc_ = detail::crc32(crc_, bytes, count);
+    stored_ = stored_ && sink_.write(bytes, count);
+  }
+  Status close_record() {
+    std::uint8_t bytes[4];
+    detail::encode_u32(crc_, bytes);
+    return stored_ && sink_.write(bytes, 4) ? Status::kOk : Status::kFull;
+  }
+
+  Sink& sink_;
+  int width_ = 0;
+  int height_ = 0;
+  std::uint32_t samples_ = 0;
+  std::uint32_t frames_ = 0;
+  std::uint32_t crc_ = 0;
+  bool stored_ = true;
+};
+
+/// Reads an input log. Source: `int read(std::uint8_t* bytes, int count)`, the number of bytes
+/// read. Whatever the bytes are, it ends in a Status and reads no more than the log's own sizes
+/// allow.
+template <class Source>
+class InputLogReader {
+ public:
+  explicit InputLogReader(Source& source) : source_(source) {}
+
+  /// First call. kCorrupt for anything but an input log, kVersionMismatch for one of another
+  /// version, kBadConfig for impossible values; `header` is set on kOk alone.
+  Status open(InputLogHeader& header) {
+    std::uint8_t magic[detail::kLogMagicBytes];
+    if (!get(magic, detail::kLogMagicBytes) || !detail::is_magic(magic)) return Status::kCorrupt;
+    detail::LogRecord type{};
+    std::uint32_t size = 0;
+    std::uint8_t bytes[detail::kLogHeaderBytes];
+    if (!ok(open_record(type, size)) || type != detail::LogRecord::kHeader ||
+        size != detail::kLogHeaderBytes || !get(bytes, detail::kLogHeaderBytes) ||
+        !close_record()) {
+      return Status::kCorrupt;
+    }
+    InputLogHeader decoded;
+    const Status status = detail::decode_header(bytes, decoded);
+    if (!ok(status)) return status;
+    header = decoded;
+    width_ = decoded.camera.width;
+    height_ = decoded.camera.height;
+    opened_ = true;
+    return Status::kOk;
+  }
+
+  /// Next event. A sample goes to `sample`, a frame to `frame` and the pixels to `image`, whose
+  /// size must be the header camera's (kInvalidArgument). kCorrupt when the log is cut short or
+  /// damaged; outputs may then hold anything. kNotInitialised before open(). Bounded by the frame's
+  /// size.
+  Status next(LogEvent& event, OdometrySample& sample, LogFrame& frame, MutableImageView image) {
+    if (!opened_) return Status::kNotInitialised;
+    if (image.data == nullptr || image.width != width_ || image.height != height_ ||
+        image.stride < width_) {
+      return Status::kInvalidArgument;
+    }
+    detail::LogRecord type{};
+    std::uint32_t size = 0;
+    const Status status = open_record(type, size);
+    if (!ok(status)) return status;
+    switch (type) {
+      case detail::LogRecord::kOdometry:
+        event = LogEvent::kOdometry;
+        return read_odometry(size, sample);
+      case detail::LogRecord::kFrame:
+        event = LogEvent::kFrame;
+        return read_frame(size, frame, image);
+      case detail::LogRecord::kEnd:
+        event = LogEvent::kEnd;
+        return read_end(size);
+      case detail::LogRecord::kHeader:
+        break;
+    }
+    return Status::kCorrupt;
+  }
+
+ private:
+  Status read_odometry(std::uint32_t size, OdometrySample& sample) {
+    std::uint8_t bytes[detail::kLogOdometryBytes];
+    if (size != detail::kLogOdometryBytes || !get(bytes, detail::kLogOdometryBytes) ||
+        !close_record()) {
+      return Status::kCorrupt;
+    }
+    ++samples_;
+    return detail::decode_odometry(bytes, sample);
+  }
+
+  Status read_frame(std::uint32_t size, LogFrame& frame, MutableImageView image) {
+    std::uint8_t head[detail::kLogFrameHeadBytes];
+    if (size != static_cast<std::uint32_t>(detail::kLogFrameHeadBytes + width_ * height_) ||
+        !get(head, detail::kLogFrameHeadBytes)) {
+      return Status::kCorrupt;
+    }
+    int width = 0;
+    int height = 0;
+    detail::decode_frame_head(head, frame, width, height);
+    if (width != width_ || height != height_) return Status::kCorrupt;
+    for (int y = 0; y < height_; ++y) {
+      if (!get(image.row(y), width_)) return Status::kCorrupt;
+    }
+    ++frames_;
+    return close_record() ? Status::kOk : Status::kCorrupt;
+  }
+
+  Status read_end(std::uint32_t size) {
+    std::uint8_t bytes[detail::kLogEndBytes];
+    if (size != detail::kLogEndBytes || !get(bytes, detail::kLogEndBytes) || !close_record()) {
+      return Status::kCorrupt;
+    }
+    std::uint32_t samples = 0;
+    std::uint32_t frames = 0;
+    detail::decode_end(bytes, samples, frames);
+    return samples == samples_ && frames == frames_ ? Status::kOk : Status::kCorrupt;
+  }
+
+  Status open_record(detail::LogRecord& type, std::uint32_t& size) {
+    crc_ = 0;
+    std::uint8_t head[detail::kLogRecordHeadBytes];
+    if (!get(head, detail::kLogRecordHeadBytes)) return Status::kCorrupt;
+    return detail::decode_record_head(head, type, size);
+  }
+  bool close_record() {
+    const std::uint32_t expected = crc_;
+    std::uint8_t bytes[4];
+    return get(bytes, 4) && detail::decode_u32(bytes) == expected;
+  }
+  bool get(std::uint8_t* bytes, int count) {
+    if (source_.read(bytes, count) != count) return false;
+    crc_ = detail::crc32(crc_, bytes, count);
+    return true;
+  }
+
+  Source& source_;
+  int width_ = 0;
+  int height_ = 0;
+  std::uint32_t samples_ = 0;
+  std::uint32_t frames_ = 0;
+  std::uint32_t crc_ = 0;
+  bool opened_ = false;
+};
+
+}  // namespace cairn

@@ -1,0 +1,265 @@
+#include "cairn/runtime/input_log.hpp"
+
+#include <cstring>
+
+#include "cairn/numeric/math.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr char kMagic[] = "CAIRNLOG";
+
+/// Little-endian fields one after the other, into or out of an array that the caller sized.
+class Packer {
+ public:
+  explicit Packer(std::uint8_t* at) : at_(at) {}
+
+  void u8(std::uint8_t value) { *at_++ = value; }
+  void u16(std::uint16_t value) {
+    u8(static_cast<std::uint8_t>(value & 0xFFU));
+    u8(static_cast<std::uint8_t>(value >> 8U));
+  }
+  void u32(std::uint32_t value) {
+    u16(static_cast<std::uint16_t>(value & 0xFFFFU));
+    u16(static_cast<std::uint16_t>(value >> 16U));
+  }
+  void u64(std::uint64_t value) {
+    u32(static_cast<std::uint32_t>(value & 0xFFFFFFFFU));
+    u32(static_cast<std::uint32_t>(value >> 32U));
+  }
+  void f32(float value) {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    u32(bits);
+  }
+
+ private:
+  std::uint8_t* at_;
+};
+
+class Unpacker {
+ public:
+  explicit Unpacker(const std::uint8_t* at) : at_(at) {}
+
+  std::uint8_t u8() { return *at_++; }
+  std::uint16_t u16() {
+    const std::uint32_t low = u8();
+    const std::uint32_t high = u8();
+    return static_cast<std::uint16_t>(low | (high << 8U));
+  }
+  std::uint32_t u32() {
+    const std::uint32_t low = u16();
+    const std::uint32_t high = u16();
+    return low | (high << 16U);
+  }
+  std::uint64_t u64() {
+    const std::uint64_t low = u32();
+    const std::uint64_t high = u32();
+    return low | (high << 32U);
+  }
+  float f32() {
+    const std::uint32_t bits = u32();
+    float value = 0.0F;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  }
+
+ private:
+  const std::uint8_t* at_;
+};
+
+bool is_within(float value, float low, float high) {
+  return value >= low && value <= high;  // false for NaN
+}
+
+bool is_unit(const Quaternion<float>& q) {
+  return is_within(q.squaredNorm(), 0.999F, 1.001F);
+}
+
+}  // namespace
+
+Status InputLogHeader::validate() const {
+  const Status camera_status = camera.validate();
+  if (!ok(camera_status)) return Status::kBadConfig;
+  const float far_m = 1e6F;
+  const bool places = is_unit(T_vehicle_camera.rotation) &&
+                      is_within(T_vehicle_camera.translation.x(), -far_m, far_m) &&
+                      is_within(T_vehicle_camera.translation.y(), -far_m, far_m) &&
+                      is_within(T_vehicle_camera.translation.z(), -far_m, far_m) &&
+                      is_within(start_x_m, -far_m, far_m) && is_within(start_y_m, -far_m, far_m) &&
+                      is_within(start_theta_rad, -1e4F, 1e4F);
+  const bool noises = is_within(speed_sigma_mps, 0.0F, 1e3F) && is_within(turn_sigma, 0.0F, 1e3F) &&
+                      is_within(wheelbase_m, 0.0F, 1e3F) &&
+                      is_within(start_position_variance, 0.0F, 1e6F) &&
+                      is_within(start_heading_variance, 0.0F, 1e3F);
+  const bool rates = is_within(odometry_period_s, 1e-4F, 1e2F) &&
+                     is_within(frame_rate_hz, 1e-2F, 1e4F) && is_within(fading, 1.0F, 2.0F);
+  return places && noises && rates ? Status::kOk : Status::kBadConfig;
+}
+
+namespace detail {
+
+std::uint32_t crc32(std::uint32_t crc, const std::uint8_t* bytes, int count) {
+  // Reflected polynomial 0xEDB88320, four bits at a time.
+  static constexpr std::uint32_t kNibble[16] = {0x00000000U, 0x1DB71064U, 0x3B6E20C8U, 0x26D930ACU,
+                                                0x76DC4190U, 0x6B6B51F4U, 0x4DB26158U, 0x5005713CU,
+                                                0xEDB88320U, 0xF00F9344U, 0xD6D6A3E8U, 0xCB61B38CU,
+                                                0x9B64C2B0U, 0x86D3D2D4U, 0xA00AE278U, 0xBDBDF21CU};
+  crc = ~crc;
+  for (int i = 0; i < count; ++i) {
+    crc ^= bytes[i];
+    crc = (crc >> 4U) ^ kNibble[crc & 15U];
+    crc = (crc >> 4U) ^ kNibble[crc & 15U];
+  }
+  return ~crc;
+}
+
+void encode_magic(std::uint8_t (&bytes)[kLogMagicBytes]) {
+  std::memcpy(bytes, kMagic, kLogMagicBytes);
+}
+
+bool is_magic(const std::uint8_t (&bytes)[kLogMagicBytes]) {
+  return std::memcmp(bytes, kMagic, kLogMagicBytes) == 0;
+}
+
+void encode_record_head(LogRecord type, std::uint32_t payload_bytes,
+                        std::uint8_t (&bytes)[kLogRecordHeadBytes]) {
+  Packer pack(bytes);
+  pack.u32(static_cast<std::uint32_t>(type));
+  pack.u32(payload_bytes);
+}
+
+Status decode_record_head(const std::uint8_t (&bytes)[kLogRecordHeadBytes], LogRecord& type,
+                          std::uint32_t& payload_bytes) {
+  Unpacker unpack(bytes);
+  const std::uint32_t value = unpack.u32();
+  if (value < 1U || value > 4U) return Status::kCorrupt;
+  type = static_cast<LogRecord>(value);
+  payload_bytes = unpack.u32();
+  return Status::kOk;
+}
+
+void encode_u32(std::uint32_t value, std::uint8_t (&bytes)[4]) {
+  Packer(bytes).u32(value);
+}
+
+std::uint32_t decode_u32(const std::uint8_t (&bytes)[4]) {
+  return Unpacker(bytes).u32();
+}
+
+void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]) {
+  std::memset(bytes, 0, kLogHeaderBytes);
+  Packer pack(bytes);
+  pack.u16(kInputLogVersion);
+  pack.u8(static_cast<std::uint8_t>(header.mode));
+  pack.u8(static_cast<std::uint8_t>(header.filter));
+  pack.u8(static_cast<std::uint8_t>(header.odometry_kind));
+  pack.u8(header.adaptive_fading ? 1 : 0);
+  pack.u16(static_cast<std::uint16_t>(header.camera.width));
+  pack.u16(static_cast<std::uint16_t>(header.camera.height));
+  pack.u16(0);
+  pack.f32(header.fading);
+  pack.u64(header.seed);
+  const PinholeCamera<float>& c = header.camera;
+  for (const float value : {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3}) pack.f32(value);
+  const Rigid<float>& T = header.T_vehicle_camera;
+  for (const float value : {T.rotation.w(), T.rotation.x(), T.rotation.y(), T.rotation.z(),
+                            T.translation.x(), T.translation.y(), T.translation.z()}) {
+    pack.f32(value);
+  }
+  for (const float value :
+       {header.speed_sigma_mps, header.turn_sigma, header.wheelbase_m, header.odometry_period_s,
+        header.frame_rate_hz, header.start_x_m, header.start_y_m, header.start_theta_rad,
+        header.start_position_variance, header.start_heading_variance}) {
+    pack.f32(value);
+  }
+}
+
+Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], InputLogHeader& header) {
+  Unpacker unpack(bytes);
+  if (unpack.u16() != kInputLogVersion) return Status::kVersionMismatch;
+  const std::uint8_t mode = unpack.u8();
+  const std::uint8_t filter = unpack.u8();
+  const std::uint8_t odometry_kind = unpack.u8();
+  const std::uint8_t adaptive = unpack.u8();
+  if (mode > 1 || filter > 3 || odometry_kind > 1 || adaptive > 1) return Status::kBadConfig;
+  header.mode = static_cast<LogMode>(mode);
+  header.filter = static_cast<LogFilter>(filter);
+  header.odometry_kind = static_cast<OdometrySample::Kind>(odometry_kind);
+  header.adaptive_fading = adaptive == 1;
+  header.camera.width = unpack.u16();
+  header.camera.height = unpack.u16();
+  unpack.u16();
+  header.fading = unpack.f32();
+  header.seed = unpack.u64();
+  PinholeCamera<float>& c = header.camera;
+  for (float* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3}) {
+    *value = unpack.f32();
+  }
+  Rigid<float>& T = header.T_vehicle_camera;
+  for (float* value : {&T.rotation.w(), &T.rotation.x(), &T.rotation.y(), &T.rotation.z(),
+                       &T.translation.x(), &T.translation.y(), &T.translation.z()}) {
+    *value = unpack.f32();
+  }
+  for (float* value :
+       {&header.speed_sigma_mps, &header.turn_sigma, &header.wheelbase_m, &header.odometry_period_s,
+        &header.frame_rate_hz, &header.start_x_m, &header.start_y_m, &header.start_theta_rad,
+        &header.start_position_variance, &header.start_heading_variance}) {
+    *value = unpack.f32();
+  }
+  return header.validate();
+}
+
+void encode_odometry(const OdometrySample& sample, std::uint8_t (&bytes)[kLogOdometryBytes]) {
+  Packer pack(bytes);
+  pack.u64(static_cast<std::uint64_t>(sample.t_us));
+  pack.u32(static_cast<std::uint32_t>(sample.kind));
+  pack.f32(sample.speed_mps);
+  pack.f32(sample.turn);
+}
+
+Status decode_odometry(const std::uint8_t (&bytes)[kLogOdometryBytes], OdometrySample& sample) {
+  Unpacker unpack(bytes);
+  const auto t_us = static_cast<std::int64_t>(unpack.u64());
+  const std::uint32_t kind = unpack.u32();
+  if (kind > 1U) return Status::kCorrupt;
+  sample.t_us = t_us;
+  sample.kind = static_cast<OdometrySample::Kind>(kind);
+  sample.speed_mps = unpack.f32();
+  sample.turn = unpack.f32();
+  return Status::kOk;
+}
+
+void encode_frame_head(const LogFrame& frame, int width, int height,
+                       std::uint8_t (&bytes)[kLogFrameHeadBytes]) {
+  Packer pack(bytes);
+  pack.u64(static_cast<std::uint64_t>(frame.t_us));
+  pack.u32(frame.number);
+  pack.u16(static_cast<std::uint16_t>(width));
+  pack.u16(static_cast<std::uint16_t>(height));
+}
+
+void decode_frame_head(const std::uint8_t (&bytes)[kLogFrameHeadBytes], LogFrame& frame, int& width,
+                       int& height) {
+  Unpacker unpack(bytes);
+  frame.t_us = static_cast<std::int64_t>(unpack.u64());
+  frame.number = unpack.u32();
+  width = unpack.u16();
+  height = unpack.u16();
+}
+
+void encode_end(std::uint32_t samples, std::uint32_t frames, std::uint8_t (&bytes)[kLogEndBytes]) {
+  Packer pack(bytes);
+  pack.u32(samples);
+  pack.u32(frames);
+}
+
+void decode_end(const std::uint8_t (&bytes)[kLogEndBytes], std::uint32_t& samples,
+                std::uint32_t& frames) {
+  Unpacker unpack(bytes);
+  samples = unpack.u32();
+  frames = unpack.u32();
+}
+
+}  // namespace detail
+}  // namespace cairn

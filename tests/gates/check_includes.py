@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""Holds the arrows between the parts: host_sim -> core, port; port -> core; core -> fixed-size Eigen
+and freestanding-friendly headers alone; inside the core numeric <- vision, geometry <- planar, mono,
+map <- tracking <- runtime.
+
+usage: check_includes.py ROOT
+"""
+import pathlib
+import re
+import sys
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
+
+STANDARD = set("""algorithm array cfloat climits cmath cstddef cstdint cstring initializer_list limits
+                  new tuple type_traits utility stdint.h stddef.h""".split())
+# SIMD of the compiler itself; vision falls back to plain words where there is none.
+INTRINSICS = {"emmintrin.h", "arm_neon.h", "arm_acle.h"}
+EIGEN = {"Eigen/Core", "Eigen/Geometry", "Eigen/Cholesky", "Eigen/LU"}
+
+FOUNDATION = {"numeric"}
+SENSING = FOUNDATION | {"vision", "geometry"}
+MODULES = {
+    "numeric": FOUNDATION,
+    "vision": FOUNDATION | {"vision"},
+    "geometry": FOUNDATION | {"geometry"},
+    "planar": SENSING | {"planar"},
+    "mono": SENSING | {"mono"},
+    "map": SENSING | {"map"},
+    "tracking": SENSING | {"planar", "mono", "map", "tracking"},
+    "runtime": SENSING | {"planar", "mono", "map", "tracking", "runtime"},
+}
+# Plain types of the runtime that it hands into the filters, the map and tracking.
+HANDED_IN = {"cairn/runtime/config.hpp", "cairn/runtime/ticks.hpp", "cairn/runtime/frame_report.hpp"}
+TAKES_HANDED_IN = {"planar", "mono", "map", "tracking"}
+
+
+def core_module(path):
+    parts = path.parts
+    if "src" in parts:
+        return parts[parts.index("src") + 1]
+    inside = parts[parts.index("include") + 1:]
+    return inside[1] if len(inside) > 2 else None  # None: cairn/cairn.h, the face over everything
+
+
+def core_fault(module, quote, name):
+    if name.startswith("cairn/port/"):
+        return "the core does not know the port"
+    if name.startswith("cairn/"):
+        target = name.split("/")[1]
+        if module is None or "." in target or target in MODULES.get(module, ()):
+            return None
+        if module in TAKES_HANDED_IN and name in HANDED_IN:
+            return None
+        return f"{module} may not use {target}"
+    if quote == '"':
+        return None if "/" not in name else "core headers are named from cairn/"
+    if name in STANDARD or name in EIGEN or (name in INTRINSICS and module == "vision"):
+        return None
+    return "not a header that the core may use"
+
+
+def port_fault(name):
+    return "the port knows the core alone" if re.match(r"host_sim/|opencv2/|tests/", name) else None
+
+
+def main():
+    root = pathlib.Path(sys.argv[1])
+    faults, files = [], 0
+    for top in ("core", "port"):
+        for path in sorted((root / top).rglob("*")):
+            if path.suffix not in {".hpp", ".h", ".cpp", ".c", ".inc"}:
+                continue
+            files += 1
+            relative = path.relative_to(root)
+            for quote, name in INCLUDE.findall(path.read_text()):
+                fault = (core_fault(core_module(relative), quote, name) if top == "core"
+                         else port_fault(name))
+                if fault:
+                    faults.append(f"{relative}: {name}: {fault}")
+    print("\n".join(faults))
+    print(f"{files} files, {len(faults)} forbidden includes")
+    return 1 if faults or not files else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

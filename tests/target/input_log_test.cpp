@@ -1,0 +1,213 @@
+#include "cairn/runtime/input_log.hpp"
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace cairn {
+namespace {
+
+struct Memory {
+  std::vector<std::uint8_t> bytes;
+  std::size_t at = 0;
+
+  bool write(const std::uint8_t* data, int count) {
+    bytes.insert(bytes.end(), data, data + count);
+    return true;
+  }
+  int read(std::uint8_t* data, int count) {
+    const std::size_t rest = bytes.size() - at;
+    const std::size_t got = std::min(rest, static_cast<std::size_t>(count));
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), got, data);
+    at += got;
+    return static_cast<int>(got);
+  }
+};
+
+constexpr int kWidth = 12;
+constexpr int kHeight = 5;
+
+InputLogHeader make_header() {
+  InputLogHeader header;
+  header.mode = LogMode::kVehicle;
+  header.filter = LogFilter::kLiftedIekf;
+  header.odometry_kind = OdometrySample::Kind::kAckermann;
+  header.adaptive_fading = true;
+  header.fading = 1.009F;
+  header.seed = 0x123456789ABCDEF0ULL;
+  header.camera = {10.0F, 11.0F, 6.0F, 2.5F, 0.1F, -0.2F, 0.01F, -0.02F, 0.3F, kWidth, kHeight};
+  header.T_vehicle_camera.rotation = Quaternion<float>(0.5F, -0.5F, 0.5F, -0.5F);
+  header.T_vehicle_camera.translation = {0.1F, -0.2F, 0.3F};
+  header.wheelbase_m = 2.83F;
+  header.start_heading_variance = 0.03F;
+  return header;
+}
+
+OdometrySample make_sample(int i) {
+  OdometrySample sample;
+  sample.t_us = -5'000'000'000LL + 1000LL * i;
+  sample.kind = OdometrySample::Kind::kAckermann;
+  sample.speed_mps = 0.5F + 0.25F * static_cast<float>(i);
+  sample.turn = -0.1F;
+  return sample;
+}
+
+std::vector<std::uint8_t> make_pixels(int seed) {
+  std::vector<std::uint8_t> pixels(kWidth * kHeight);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    pixels[i] = static_cast<std::uint8_t>(31U * i + static_cast<std::size_t>(seed));
+  }
+  return pixels;
+}
+
+Memory make_log() {
+  Memory memory;
+  InputLogWriter<Memory> writer(memory);
+  EXPECT_EQ(writer.begin(make_header()), Status::kOk);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(writer.odometry(make_sample(i)), Status::kOk);
+    const auto pixels = make_pixels(i);
+    EXPECT_EQ(writer.frame({static_cast<std::uint32_t>(100 + i), 1000LL * i},
+                           {pixels.data(), kWidth, kHeight, kWidth}),
+              Status::kOk);
+  }
+  EXPECT_EQ(writer.end(), Status::kOk);
+  return memory;
+}
+
+struct Replay {
+  Status status = Status::kOk;
+  InputLogHeader header;
+  std::vector<OdometrySample> samples;
+  std::vector<LogFrame> frames;
+  std::vector<std::vector<std::uint8_t>> images;
+};
+
+Replay read_log(Memory memory) {
+  memory.at = 0;
+  Replay replay;
+  InputLogReader<Memory> reader(memory);
+  replay.status = reader.open(replay.header);
+  std::vector<std::uint8_t> pixels(kWidth * kHeight);
+  LogEvent event = LogEvent::kOdometry;
+  while (ok(replay.status)) {
+    OdometrySample sample;
+    LogFrame frame;
+    replay.status = reader.next(event, sample, frame, {pixels.data(), kWidth, kHeight, kWidth});
+    if (!ok(replay.status) || event == LogEvent::kEnd) break;
+    if (event == LogEvent::kOdometry) replay.samples.push_back(sample);
+    if (event == LogEvent::kFrame) {
+      replay.frames.push_back(frame);
+      replay.images.push_back(pixels);
+    }
+  }
+  return replay;
+}
+
+TEST(InputLog, ReadsBackWhatWasWritten) {
+  const Replay replay = read_log(make_log());
+  ASSERT_EQ(replay.status, Status::kOk);
+  const InputLogHeader expected = make_header();
+  EXPECT_EQ(replay.header.filter, expected.filter);
+  EXPECT_EQ(replay.header.mode, expected.mode);
+  EXPECT_EQ(replay.header.seed, expected.seed);
+  EXPECT_TRUE(replay.header.adaptive_fading);
+  EXPECT_EQ(replay.header.camera.k3, expected.camera.k3);
+  EXPECT_EQ(replay.header.camera.width, kWidth);
+  EXPECT_EQ(replay.header.T_vehicle_camera.rotation.coeffs(),
+            expected.T_vehicle_camera.rotation.coeffs());
+  EXPECT_EQ(replay.header.wheelbase_m, expected.wheelbase_m);
+  EXPECT_EQ(replay.header.start_heading_variance, expected.start_heading_variance);
+  ASSERT_EQ(replay.samples.size(), 3U);
+  ASSERT_EQ(replay.frames.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    EXPECT_EQ(replay.samples[k].t_us, make_sample(i).t_us);
+    EXPECT_EQ(replay.samples[k].speed_mps, make_sample(i).speed_mps);
+    EXPECT_EQ(replay.frames[k].number, 100U + k);
+    EXPECT_EQ(replay.images[k], make_pixels(i));
+  }
+}
+
+TEST(InputLog, CrcIsTheStandardOne) {
+  const std::uint8_t digits[] = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
+  EXPECT_EQ(detail::crc32(0, digits, 9), 0xCBF43926U);
+  EXPECT_EQ(detail::crc32(detail::crc32(0, digits, 4), digits + 4, 5), 0xCBF43926U);
+}
+
+TEST(InputLog, AnyCutIsCorrupt) {
+  const Memory whole = make_log();
+  for (std::size_t length = 0; length < whole.bytes.size(); ++length) {
+    Memory cut = whole;
+    cut.bytes.resize(length);
+    ASSERT_EQ(read_log(cut).status, Status::kCorrupt) << "cut to " << length << " bytes";
+  }
+}
+
+TEST(InputLog, AnyFlippedBitIsFound) {
+  const Memory whole = make_log();
+  for (std::size_t i = 0; i < whole.bytes.size(); ++i) {
+    Memory damaged = whole;
+    damaged.bytes[i] ^= static_cast<std::uint8_t>(1U << (i % 8U));
+    ASSERT_FALSE(ok(read_log(damaged).status)) << "byte " << i;
+  }
+}
+
+TEST(InputLog, RefusesAnImpossibleHeader) {
+  Memory memory;
+  InputLogWriter<Memory> writer(memory);
+  InputLogHeader header = make_header();
+  header.camera.fx = 0.0F;
+  EXPECT_EQ(writer.begin(header), Status::kBadConfig);
+  header = make_header();
+  header.start_x_m = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(writer.begin(header), Status::kBadConfig);
+  header = make_header();
+  header.fading = 0.5F;
+  EXPECT_EQ(writer.begin(header), Status::kBadConfig);
+  header = make_header();
+  header.T_vehicle_camera.rotation = Quaternion<float>(0.0F, 0.0F, 0.0F, 0.0F);
+  EXPECT_EQ(writer.begin(header), Status::kBadConfig);
+  EXPECT_TRUE(memory.bytes.empty());
+}
+
+TEST(InputLog, RefusesAnotherVersion) {
+  Memory memory = make_log();
+  const std::size_t payload = detail::kLogMagicBytes + detail::kLogRecordHeadBytes;
+  memory.bytes[payload] = kInputLogVersion + 1;
+  const std::uint32_t crc = detail::crc32(0, memory.bytes.data() + detail::kLogMagicBytes,
+                                          detail::kLogRecordHeadBytes + detail::kLogHeaderBytes);
+  std::uint8_t bytes[4];
+  detail::encode_u32(crc, bytes);
+  std::copy_n(
+      bytes, 4,
+      memory.bytes.begin() + static_cast<std::ptrdiff_t>(payload + detail::kLogHeaderBytes));
+  EXPECT_EQ(read_log(memory).status, Status::kVersionMismatch);
+}
+
+TEST(InputLog, FrameOfAnotherSizeIsRefusedByWriterAndReader) {
+  Memory memory;
+  InputLogWriter<Memory> writer(memory);
+  ASSERT_EQ(writer.begin(make_header()), Status::kOk);
+  const auto pixels = make_pixels(0);
+  EXPECT_EQ(writer.frame({1, 2}, {pixels.data(), kWidth - 1, kHeight, kWidth}),
+            Status::kInvalidArgument);
+
+  Memory log = make_log();
+  InputLogReader<Memory> reader(log);
+  InputLogHeader header;
+  LogEvent event = LogEvent::kEnd;
+  OdometrySample sample;
+  LogFrame frame;
+  std::vector<std::uint8_t> storage(kWidth * kHeight);
+  const MutableImageView image{storage.data(), kWidth, kHeight, kWidth};
+  EXPECT_EQ(reader.next(event, sample, frame, image), Status::kNotInitialised);
+  ASSERT_EQ(reader.open(header), Status::kOk);
+  EXPECT_EQ(reader.next(event, sample, frame, {storage.data(), kWidth, kHeight - 1, kWidth}),
+            Status::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace cairn
