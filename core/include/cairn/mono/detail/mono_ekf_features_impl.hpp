@@ -1,0 +1,315 @@
+#pragma once
+
+#include "cairn/mono/mono_ekf.hpp"
+
+namespace cairn {
+
+template <class T, int MaxFeatures, int MaxAnchors>
+int MonoEkf<T, MaxFeatures, MaxAnchors>::find(LandmarkId id) const {
+  for (int i = 0; i < feature_count_; ++i) {
+    if (features_[i].id == id) return i;
+  }
+  return -1;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::add_feature(LandmarkId id, const Vector2<T>& pixel) {
+  return add_feature(id, pixel, parameters_.initial_inverse_depth,
+                     parameters_.initial_inverse_depth_sigma);
+}
+
+/// y = (anchor, theta, phi, rho) from the camera state and the pixel, P <- J diag(P, R,
+/// sigma_rho^2) J^T: Civera et al. 2008, section IV.
+template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::add_feature(LandmarkId id, const Vector2<T>& pixel,
+                                                        T inverse_depth, T sigma) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!is_finite(pixel.x()) || !is_finite(pixel.y())) {
+    ++health_.non_finite_inputs;
+    return Status::kNonFiniteInput;
+  }
+  if (id == kNoLandmark || !is_finite(inverse_depth) || !(inverse_depth > T(0)) ||
+      !is_finite(sigma) || !(sigma > T(0))) {
+    return Status::kInvalidArgument;
+  }
+  if (find(id) >= 0) return Status::kDuplicate;
+  if (feature_count_ == MaxFeatures) {
+    ++health_.landmarks_refused;
+    return Status::kFull;
+  }
+  if (!camera_.contains(pixel)) return Status::kOutOfView;
+  mono::PixelRay<T> ray;
+  const Status status = mono::pixel_ray<T>(camera_at(x_), focal_factor_at(x_), pixel, ray);
+  if (!ok(status)) return status;
+
+  const bool with_depth = parameters_.motion != MotionModel::kRotationOnly;
+  Feature feature;
+  feature.id = id;
+  feature.kind = with_depth ? FeatureKind::kInverseDepth : FeatureKind::kDirection;
+  feature.anchor = with_depth ? anchor_for_birth() : -1;
+  feature.at = covariance_.size();
+  feature.first_inverse_depth = inverse_depth;
+  const Vector<T, 4> q = quaternion_at(x_);
+  feature.R_world_birth = mono::rotation_matrix<T>(q);
+  const mono::Angles<T> angles = mono::angles_of<T>(ray.ray_camera);
+
+  // Angles of B^T R(q) ray, where B is the present value of R and stays constant.
+  const Matrix<T, 2, 4> wrt_q = angles.wrt_v * (feature.R_world_birth.transpose() *
+                                                mono::rotated_wrt_quaternion<T>(q, ray.ray_camera));
+  const Matrix2<T> wrt_pixel = angles.wrt_v * ray.wrt_pixel;
+  const Vector2<T> wrt_focal = angles.wrt_v * ray.wrt_focal;
+  const Matrix2<T> noise = square(parameters_.sigma_px) * (wrt_pixel * wrt_pixel.transpose());
+  Rows3 rows;
+  Matrix<T, 3, 4> wrt_q3 = Matrix<T, 3, 4>::Zero();
+  wrt_q3.template topRows<2>() = wrt_q;
+  rows.add_run(layout_.quaternion, wrt_q3);
+  if (layout_.focal >= 0) {
+    rows.add_run(layout_.focal, Vector3<T>(wrt_focal.x(), wrt_focal.y(), T(0)));
+  }
+  append_feature(rows, noise, sigma, with_depth);
+  x_[feature.at] = angles.theta;
+  x_[feature.at + 1] = angles.phi;
+  if (with_depth) x_[feature.at + 2] = inverse_depth;
+  features_[feature_count_++] = feature;
+  ++health_.landmarks_added;
+  return Status::kOk;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::append_feature(const Rows3& rows, const Matrix2<T>& noise,
+                                                         T sigma, bool with_depth) {
+  Matrix3<T> noise3 = Matrix3<T>::Zero();
+  noise3.template topLeftCorner<2, 2>() = noise;
+  noise3(2, 2) = square(sigma);
+  T scratch[3][kMaxStates];
+  mono::compose_block(covariance_, covariance_.size(), rows, noise3, scratch);
+  if (!with_depth) covariance_.resize(covariance_.size() - 1);
+}
+
+/// Anchor at the present camera position: the one of this frame, a new one, or the least used one
+/// moved here.
+template <class T, int MaxFeatures, int MaxAnchors>
+int MonoEkf<T, MaxFeatures, MaxAnchors>::anchor_for_birth() {
+  int anchor = parameters_.share_anchors ? frame_anchor_ : -1;
+  if (anchor < 0) {
+    if (anchor_count_ < MaxAnchors) {
+      anchor = anchor_count_++;
+      anchors_[anchor] = Anchor{covariance_.size(), 0};
+    } else {
+      anchor = 0;
+      for (int i = 1; i < MaxAnchors; ++i) {
+        if (anchors_[i].users < anchors_[anchor].users) anchor = i;
+      }
+      for (int i = 0; i < feature_count_; ++i) {
+        if (features_[i].anchor == anchor) move_to_camera(features_[i]);
+      }
+    }
+    const int at = anchors_[anchor].at;
+    Rows3 rows;
+    add_position_run(rows, Matrix3<T>(Matrix3<T>::Identity()));
+    T scratch[3][kMaxStates];
+    mono::compose_block(covariance_, at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch);
+    const Vector3<T> position = position_at(x_);
+    for (int i = 0; i < 3; ++i) x_[at + i] = position(i);
+    frame_anchor_ = anchor;
+  }
+  ++anchors_[anchor].users;
+  return anchor;
+}
+
+/// Rewrites an inverse-depth feature as seen from the present camera position r, exact in the mean
+/// and of first order in the covariance, also for rho = 0: w = rho (a - r) + m, direction w / |w|,
+/// inverse depth rho / |w|. The new axes have z along w, so that theta = phi = 0.
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::move_to_camera(Feature& feature) {
+  const T rho = x_[feature.at + 2];
+  const Vector3<T> offset = vector3_at(x_, anchors_[feature.anchor].at) - position_at(x_);
+  const mono::Direction<T> m = mono::direction<T>(x_[feature.at], x_[feature.at + 1]);
+  const Vector3<T> w = rho * offset + feature.R_world_birth * m.m;
+  const T length = sqrt(w.dot(w));
+  if (!(length > T(1e-3))) return;  // the point lies in the camera: leave its angles as they are
+
+  const Vector3<T> z = w / length;
+  const Vector3<T> up =
+      abs(z.y()) < T(0.7) ? Vector3<T>(T(0), T(1), T(0)) : Vector3<T>(T(1), T(0), T(0));
+  Vector3<T> x_axis = up.cross(z);
+  x_axis /= sqrt(x_axis.dot(x_axis));
+  const Vector3<T> y_axis = z.cross(x_axis);
+  Matrix3<T> wrt_w;  // of theta, phi and rho
+  wrt_w.row(0) = x_axis.transpose() / length;
+  wrt_w.row(1) = -y_axis.transpose() / length;
+  wrt_w.row(2) = z.transpose() * (-rho / (length * length));
+  Rows3 rows;
+  add_position_run(rows, Matrix3<T>(-rho * wrt_w));
+  rows.add_run(anchors_[feature.anchor].at, Matrix3<T>(rho * wrt_w));
+  Matrix3<T> wrt_feature;
+  wrt_feature.template leftCols<2>() = wrt_w * (feature.R_world_birth * m.wrt_angles);
+  wrt_feature.col(2) = wrt_w * offset;
+  wrt_feature(2, 2) += T(1) / length;
+  rows.add_run(feature.at, wrt_feature);
+  T scratch[3][kMaxStates];
+  mono::compose_block(covariance_, feature.at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch);
+  x_[feature.at] = T(0);
+  x_[feature.at + 1] = T(0);
+  x_[feature.at + 2] = rho / length;
+  feature.first_inverse_depth = rho / length;
+  feature.R_world_birth.col(0) = x_axis;
+  feature.R_world_birth.col(1) = y_axis;
+  feature.R_world_birth.col(2) = z;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::remove_feature(int slot) {
+  if (slot < 0 || slot >= feature_count_) return Status::kInvalidArgument;
+  const Feature removed = features_[slot];
+  features_[slot] = features_[--feature_count_];
+  remove_block(removed.at);
+  if (removed.anchor >= 0) release_anchor(removed.anchor);
+  ++health_.landmarks_removed;
+  return Status::kOk;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::release_anchor(int anchor) {
+  if (--anchors_[anchor].users > 0) return;
+  const int at = anchors_[anchor].at;
+  const int last = --anchor_count_;
+  anchors_[anchor] = anchors_[last];
+  for (int i = 0; i < feature_count_; ++i) {
+    if (features_[i].anchor == last) features_[i].anchor = anchor;
+  }
+  if (frame_anchor_ == anchor) {
+    frame_anchor_ = -1;
+  } else if (frame_anchor_ == last) {
+    frame_anchor_ = anchor;
+  }
+  remove_block(at);
+}
+
+/// Takes a block out of the state; the last block moves into its place.
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::remove_block(int at) {
+  const int last = covariance_.size() - layout_.block;
+  covariance_.remove_block_unordered(at, layout_.block);
+  if (at == last) return;
+  for (int i = 0; i < layout_.block; ++i) x_[at + i] = x_[last + i];
+  for (int i = 0; i < feature_count_; ++i) {
+    if (features_[i].at == last) features_[i].at = at;
+  }
+  for (int i = 0; i < anchor_count_; ++i) {
+    if (anchors_[i].at == last) anchors_[i].at = at;
+  }
+}
+
+/// Linearity index of the depth, L = 4 sigma_d |cos alpha| / d_1 with sigma_d = sigma_rho / rho^2,
+/// alpha the parallax angle and d_1 the distance from the camera: Civera et al. 2008, eq. 31.
+template <class T, int MaxFeatures, int MaxAnchors>
+bool MonoEkf<T, MaxFeatures, MaxAnchors>::is_linear(const Feature& feature) const {
+  const T rho = x_[feature.at + 2];
+  const T variance = covariance_(feature.at + 2, feature.at + 2);
+  if (!(rho > parameters_.min_inverse_depth) || !(variance > T(0))) return false;
+  const Vector3<T> m =
+      feature.R_world_birth * mono::direction<T>(x_[feature.at], x_[feature.at + 1]).m;
+  const Vector3<T> from_camera =
+      vector3_at(x_, anchors_[feature.anchor].at) + m / rho - position_at(x_);
+  const T distance_squared = from_camera.dot(from_camera);
+  const T sigma_depth = sqrt(variance) / square(rho);
+  // |cos alpha| / d_1 = |m . h| / d_1^2
+  return T(4) * sigma_depth * abs(m.dot(from_camera)) <
+         parameters_.linearity_threshold * distance_squared;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::convert_linear_features() {
+  int converted = 0;
+  for (int k = 0; k < feature_count_ && converted < parameters_.max_conversions_per_update; ++k) {
+    Feature& feature = features_[(next_conversion_ + k) % feature_count_];
+    if (feature.kind != FeatureKind::kInverseDepth || !is_linear(feature)) continue;
+    convert_to_point(feature);
+    ++converted;
+  }
+  next_conversion_ = (next_conversion_ + converted) % MaxFeatures;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::point_rows(const Feature& feature, Vector3<T>& p_world,
+                                                     Rows3& rows) const {
+  if (feature.kind == FeatureKind::kPoint) {
+    p_world = vector3_at(x_, feature.at);
+    rows.add_run(feature.at, Matrix3<T>(Matrix3<T>::Identity()));
+    return;
+  }
+  const T rho = x_[feature.at + 2];
+  const mono::Direction<T> m = mono::direction<T>(x_[feature.at], x_[feature.at + 1]);
+  const Vector3<T> ray = feature.R_world_birth * m.m;
+  const int anchor = anchors_[feature.anchor].at;
+  p_world = vector3_at(x_, anchor) + ray / rho;
+  rows.add_run(anchor, Matrix3<T>(Matrix3<T>::Identity()));
+  Matrix3<T> wrt_feature;
+  wrt_feature.template leftCols<2>() = (feature.R_world_birth * m.wrt_angles) / rho;
+  wrt_feature.col(2) = -ray / square(rho);
+  rows.add_run(feature.at, wrt_feature);
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::convert_to_point(Feature& feature) {
+  Vector3<T> p_world;
+  Rows3 rows;
+  point_rows(feature, p_world, rows);
+  T scratch[3][kMaxStates];
+  mono::compose_block(covariance_, feature.at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch);
+  for (int i = 0; i < 3; ++i) x_[feature.at + i] = p_world(i);
+  feature.kind = FeatureKind::kPoint;
+  const int anchor = feature.anchor;
+  feature.anchor = -1;
+  release_anchor(anchor);
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::feature_position(int slot, Vector3<T>& p_world,
+                                                             Matrix3<T>& covariance) const {
+  if (slot < 0 || slot >= feature_count_) return Status::kInvalidArgument;
+  if (features_[slot].kind == FeatureKind::kDirection) return Status::kDegenerate;
+  Rows3 rows;
+  point_rows(features_[slot], p_world, rows);
+  covariance = mono::quadratic(rows, covariance_);
+  return Status::kOk;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::feature_inverse_depth(int slot, T& inverse_depth,
+                                                                  T& sigma) const {
+  Vector3<T> p_world;
+  Matrix3<T> covariance;
+  const Status status = feature_position(slot, p_world, covariance);
+  if (!ok(status)) return status;
+  const Feature& feature = features_[slot];
+  T variance = T(0);
+  if (feature.kind == FeatureKind::kInverseDepth) {
+    inverse_depth = x_[feature.at + 2];
+    variance = covariance_(feature.at + 2, feature.at + 2);
+  } else {
+    const Vector3<T> ray = p_world - position_at(x_);
+    const T squared = ray.dot(ray);
+    if (!(squared > T(1e-6))) return Status::kDegenerate;
+    inverse_depth = T(1) / sqrt(squared);
+    variance = ray.dot(covariance * ray) / (squared * squared * squared);
+  }
+  sigma = variance > T(0) ? sqrt(variance) : T(0);
+  return Status::kOk;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::hash(Hash64& hash) const {
+  const int n = covariance_.size();
+  hash.add(static_cast<std::int32_t>(n));
+  for (int i = 0; i < n; ++i) hash.add(x_[i]);
+  const int elements = n * (n + 1) / 2;
+  for (int i = 0; i < elements; ++i) hash.add(covariance_.data()[i]);
+  for (int i = 0; i < feature_count_; ++i) {
+    hash.add(features_[i].id);
+    hash.add(static_cast<std::int32_t>(features_[i].at));
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,242 @@
+#pragma once
+
+#include "cairn/mono/mono_ekf.hpp"
+
+namespace cairn {
+
+template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::check_matches(const PixelMatch<T>* matches,
+                                                          int count) const {
+  if (count < 0 || count > feature_count_ || (count > 0 && matches == nullptr)) {
+    return Status::kInvalidArgument;
+  }
+  bool seen[MaxFeatures] = {};
+  for (int i = 0; i < count; ++i) {
+    const int slot = matches[i].slot;
+    if (slot < 0 || slot >= feature_count_ || features_[slot].id != matches[i].id || seen[slot]) {
+      return Status::kInvalidArgument;
+    }
+    seen[slot] = true;
+    if (!is_finite(matches[i].pixel.x()) || !is_finite(matches[i].pixel.y())) {
+      return Status::kNonFiniteInput;
+    }
+  }
+  return Status::kOk;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::count_visibility() {
+  for (int slot = 0; slot < feature_count_; ++slot) {
+    FeatureStatistics& statistics = features_[slot].statistics;
+    Vector2<T> pixel;
+    if (ok(pixel_at(x_, slot, pixel)) && camera_.contains(pixel)) {
+      ++statistics.predicted;
+      ++statistics.consecutive_misses;  // taken back where the measurement is used
+      statistics.out_of_view = 0;
+    } else {
+      ++statistics.out_of_view;
+    }
+  }
+}
+
+/// State of the hypothesis x + P H_i' S_i^-1 nu_i of one match, and who agrees with it: Civera et
+/// al. 2010, algorithm 1. Only the state moves, not P.
+template <class T, int MaxFeatures, int MaxAnchors>
+int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_hypothesis(const PixelMatch<T>* matches,
+                                                             int count, int candidate,
+                                                             bool* supporters) const {
+  const PixelMatch<T>& match = matches[candidate];
+  Vector2<T> pixel;
+  Rows2 rows;
+  if (!ok(linearise(match.slot, pixel, rows))) return 0;
+  T gain[2][kMaxStates];
+  mono::multiply(rows, covariance_, gain);
+  const T variance = square(parameters_.sigma_px);
+  T ia = T(0), ib = T(0), ic = T(0);
+  if (!invert_spd2(rows.dot(0, gain[0]) + variance, rows.dot(1, gain[0]),
+                   rows.dot(1, gain[1]) + variance, ia, ib, ic)) {
+    return 0;
+  }
+  const Vector2<T> nu = match.pixel - pixel;
+  const T g0 = ia * nu.x() + ib * nu.y();
+  const T g1 = ib * nu.x() + ic * nu.y();
+  T x[kMaxStates];
+  for (int i = 0; i < covariance_.size(); ++i) x[i] = x_[i] + (gain[0][i] * g0 + gain[1][i] * g1);
+  const Vector<T, 4> q = quaternion_at(x);
+  const T norm = sqrt(q.dot(q));
+  if (!(norm > T(0.1))) return 0;
+  for (int i = 0; i < 4; ++i) x[layout_.quaternion + i] /= norm;
+
+  const T limit = parameters_.support_gate * variance;
+  int support = 0;
+  for (int j = 0; j < count; ++j) {
+    Vector2<T> expected;
+    if (!ok(pixel_at(x, matches[j].slot, expected))) continue;
+    const Vector2<T> difference = matches[j].pixel - expected;
+    if (!(difference.dot(difference) < limit)) continue;
+    supporters[j] = true;
+    ++support;
+  }
+  return support;
+}
+
+/// Strong tracking (Zhou and Frank 1996): the factor lambda by which H F P F' H' falls short of
+/// what the low-innovation inliers' residuals show. V <- (rho V + nu nu') / (1 + rho), N = V - H Q
+/// H' - beta R, M = H F P F' H', lambda = max(1, tr N / tr M), P <- lambda F P F' + Q.
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::adapt_memory(const PixelMatch<T>* matches, int count,
+                                                       const bool* use) {
+  T nu_squared = T(0), noise = T(0), spread = T(0);
+  int used = 0;
+  for (int i = 0; i < count; ++i) {
+    Vector2<T> pixel;
+    Rows2 rows;
+    if (!use[i] || !ok(linearise(matches[i].slot, pixel, rows))) continue;
+    const Vector2<T> nu = matches[i].pixel - pixel;
+    const Matrix2<T> whole = mono::quadratic(rows, covariance_);
+    const Matrix2<T> driven = mono::quadratic(rows, 1, process_noise_);  // run 0: camera block
+    nu_squared += nu.dot(nu);
+    noise += driven(0, 0) + driven(1, 1);
+    spread += whole(0, 0) + whole(1, 1);
+    ++used;
+  }
+  if (used == 0) return;
+  const T coordinates = static_cast<T>(2 * used);
+  const T fresh = nu_squared / coordinates;
+  const T rho = parameters_.adaptive_memory;
+  innovation_memory_ =
+      innovation_memory_ < T(0) ? fresh : (rho * innovation_memory_ + fresh) / (T(1) + rho);
+  const T excess = innovation_memory_ - noise / coordinates -
+                   parameters_.adaptive_softening * square(parameters_.sigma_px);
+  const T explained = (spread - noise) / coordinates;
+  T factor = explained > T(1e-9) ? excess / explained : T(1);
+  factor = clamp(factor, T(1), parameters_.adaptive_max_factor);
+  fade(factor, true);
+}
+
+/// Update with the chosen matches, two rows at a time, all linearised at the same x: equal to the
+/// batch update with H stacked, because the innovation of each is corrected by H dx. Returns the
+/// number used and marks them as inliers; one whose S is not positive definite is left out.
+template <class T, int MaxFeatures, int MaxAnchors>
+int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count, const bool* use,
+                                               UpdateReport& report) {
+  const T variance = square(parameters_.sigma_px);
+  const int n = covariance_.size();
+  T delta[kMaxStates] = {};
+  T gain[2][kMaxStates];
+  int used = 0;
+  for (int m = 0; m < count; ++m) {
+    Vector2<T> pixel;
+    Rows2 rows;
+    if (!use[m] || !ok(linearise(matches[m].slot, pixel, rows))) continue;
+    mono::multiply(rows, covariance_, gain);
+    const T nu0 = matches[m].pixel.x() - pixel.x() - rows.dot(0, delta);
+    const T nu1 = matches[m].pixel.y() - pixel.y() - rows.dot(1, delta);
+    T ia = T(0), ib = T(0), ic = T(0);
+    if (!invert_spd2(rows.dot(0, gain[0]) + variance, rows.dot(1, gain[0]),
+                     rows.dot(1, gain[1]) + variance, ia, ib, ic)) {
+      ++health_.innovations_singular;
+      continue;
+    }
+    const T g0 = ia * nu0 + ib * nu1;
+    const T g1 = ib * nu0 + ic * nu1;
+    for (int i = 0; i < n; ++i) delta[i] += gain[0][i] * g0 + gain[1][i] * g1;
+    covariance_.downdate(gain[0], gain[1], ia, ib, ic);
+    report.nis += static_cast<double>(nu0 * g0 + nu1 * g1);
+    report.nis_dof += 2;
+    matches[m].inlier = true;
+    ++used;
+  }
+  if (used > 0) correct_state(delta);
+  return used;
+}
+
+/// x <- x + delta; then |q| = 1 (P by the Jacobian of the normalisation), inverse depths positive,
+/// focal length possible, variances not negative.
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::correct_state(const T* delta) {
+  for (int i = 0; i < covariance_.size(); ++i) x_[i] += delta[i];
+  const Vector<T, 4> q = quaternion_at(x_);
+  const T norm = sqrt(q.dot(q));
+  if (norm > T(0.1)) {
+    mono::transform_block(covariance_, layout_.quaternion, mono::normalisation_jacobian<T>(q));
+    for (int i = 0; i < 4; ++i) x_[layout_.quaternion + i] = q(i) / norm;
+  } else {
+    for (int i = 0; i < 4; ++i) x_[layout_.quaternion + i] = i == 0 ? T(1) : T(0);
+    ++health_.resets;
+  }
+  for (int i = 0; i < feature_count_; ++i) {
+    if (features_[i].kind != FeatureKind::kInverseDepth) continue;
+    T& rho = x_[features_[i].at + 2];
+    if (rho >= parameters_.min_inverse_depth) continue;
+    rho = parameters_.min_inverse_depth;
+    ++health_.depth_repairs;
+  }
+  if (layout_.focal >= 0) x_[layout_.focal] = clamp(x_[layout_.focal], T(-0.5), T(1));
+  health_.covariance_repairs += static_cast<std::uint32_t>(covariance_.floor_diagonal(T(0)));
+}
+
+/// Matches that the first update left out and that fit the updated state: nu' S^-1 nu below the
+/// gate, S with R in it.
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::rescue(const PixelMatch<T>* matches, int count,
+                                                 bool* rescued) const {
+  const T variance = square(parameters_.sigma_px);
+  for (int i = 0; i < count; ++i) {
+    rescued[i] = false;
+    Vector2<T> pixel;
+    Rows2 rows;
+    if (matches[i].inlier || !ok(linearise(matches[i].slot, pixel, rows))) continue;
+    const Matrix2<T> s = mono::quadratic(rows, covariance_);
+    T ia = T(0), ib = T(0), ic = T(0);
+    if (!invert_spd2(s(0, 0) + variance, s(0, 1), s(1, 1) + variance, ia, ib, ic)) continue;
+    const Vector2<T> nu = matches[i].pixel - pixel;
+    const T distance = ia * nu.x() * nu.x() + T(2) * ib * nu.x() * nu.y() + ic * nu.y() * nu.y();
+    rescued[i] = distance < parameters_.rescue_gate;
+  }
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int count,
+                                                   Random& random, UpdateReport& report) {
+  if (!initialised_) return Status::kNotInitialised;
+  const Status status = check_matches(matches, count);
+  if (!ok(status)) {
+    if (status == Status::kNonFiniteInput) ++health_.non_finite_inputs;
+    return status;
+  }
+  count_visibility();
+  report = UpdateReport{};
+  report.matches = count;
+  for (int i = 0; i < count; ++i) matches[i].inlier = false;
+  const auto evaluate = [&](int candidate, bool* supporters) {
+    return evaluate_hypothesis(matches, count, candidate, supporters);
+  };
+  const OnePointRansacResult<MaxFeatures> best =
+      one_point_ransac<MaxFeatures>(count, parameters_.ransac, random, evaluate);
+  report.hypotheses = best.hypotheses;
+  if (!best.consensus) {
+    if (count > 0) ++health_.ransac_no_consensus;
+    return Status::kNoConsensus;
+  }
+  if (parameters_.fading == FadingMode::kAdaptive) adapt_memory(matches, count, best.supporters);
+  report.low_innovation = apply(matches, count, best.supporters, report);
+  bool rescued[MaxFeatures];
+  rescue(matches, count, rescued);
+  report.high_innovation = apply(matches, count, rescued, report);
+  report.gated = count - report.low_innovation - report.high_innovation;
+
+  for (int i = 0; i < count; ++i) {
+    if (!matches[i].inlier) continue;
+    FeatureStatistics& statistics = features_[matches[i].slot].statistics;
+    ++statistics.measured;
+    statistics.consecutive_misses = 0;
+  }
+  health_.innovations_used += static_cast<std::uint32_t>(count - report.gated);
+  health_.innovations_gated += static_cast<std::uint32_t>(report.gated);
+  if (layout_.lever >= 0) frame_anchor_ = -1;  // (R - I) lever is an anchor to first order only
+  convert_linear_features();
+  return Status::kOk;
+}
+
+}  // namespace cairn

@@ -1,0 +1,239 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/geometry/camera.hpp"
+#include "cairn/geometry/observation.hpp"
+#include "cairn/geometry/rigid.hpp"
+#include "cairn/mono/detail/sparse_rows.hpp"
+#include "cairn/mono/models.hpp"
+#include "cairn/mono/parameters.hpp"
+#include "cairn/numeric/hash.hpp"
+#include "cairn/numeric/health.hpp"
+#include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/numeric/random.hpp"
+#include "cairn/numeric/status.hpp"
+
+namespace cairn {
+
+/// How a feature is written in the state.
+enum class FeatureKind : std::uint8_t {
+  kInverseDepth,  ///< anchor (3, shared) and theta, phi, rho: m = B direction(theta, phi)
+  kPoint,         ///< world point, m
+  kDirection,     ///< theta, phi alone: a point at infinity (MotionModel::kRotationOnly)
+};
+
+/// Visual record of one feature, for the caller's map management.
+struct FeatureStatistics {
+  int predicted = 0;           ///< updates in which it was predicted inside the image
+  int measured = 0;            ///< updates that used its measurement
+  int consecutive_misses = 0;  ///< predicted and not used, since the last use
+  int out_of_view = 0;         ///< updates outside the image since it was last inside
+};
+
+/// Monocular EKF-SLAM with inverse-depth features, 1-point RANSAC and fading memory: camera pose,
+/// velocities and features from matched pixels alone. The world is the camera at initialise(); its
+/// scale is set by the prior of the inverse depth.
+///
+/// State: camera block, then blocks of three (two in kRotationOnly) in any order. Camera block of
+/// kSixDof: r (3, m), q (4), [s], v (3, m/s), w (3, rad/s, camera frame); kPivot: lever (3, m), q,
+/// [s], w; kRotationOnly: q, [s], w; s is the focal length's relative error where it is estimated.
+/// Features born in one frame share the anchor, 3 n + 3 a values instead of 6 n; this is exact,
+/// because the copies would have the same rows in P for ever.
+///
+/// When all MaxAnchors are in use, the features of the least used anchor are expressed from the
+/// present camera position instead (to first order), so that a birth never fails for want of an
+/// anchor. Births of the same frame should come together.
+///
+/// Sources: J. Civera, O. Grasa, A. Davison, J. Montiel, "1-Point RANSAC for EKF filtering", 2010;
+/// J. Civera, A. Davison, J. Montiel, "Inverse depth parametrization for monocular SLAM", 2008;
+/// Qi Naixin et al., "1-point RANSAC based on fading memory filtering for attitude estimation with
+/// monocular vision", 2016. Derivation and errata: docs/explanation/mono-ekf.md.
+template <class T, int MaxFeatures, int MaxAnchors = (MaxFeatures < 20 ? 4 : MaxFeatures / 5)>
+class MonoEkf {
+  static_assert(MaxFeatures >= 1 && MaxAnchors >= 1 && MaxAnchors <= MaxFeatures, "capacities");
+
+ public:
+  using Parameters = MonoParameters<T>;
+  static constexpr int kMaxFeatures = MaxFeatures;
+  static constexpr int kMaxAnchors = MaxAnchors;
+  static constexpr int kMaxCameraStates = 14;
+  static constexpr int kMaxStates = kMaxCameraStates + 3 * (MaxFeatures + MaxAnchors);
+
+  /// Starts over: pose at the origin, no features, Health zero. kBadConfig (nothing changed) when
+  /// the camera or a parameter is impossible.
+  Status initialise(const PinholeCamera<T>& camera, const Parameters& parameters);
+
+  /// Moves the state on by `dt_s` seconds and fades the memory: x <- f(x), P <- S F P F' + Q (paper
+  /// B, eq. 31). kNotInitialised, kDuplicate (dt = 0), kTimeBackwards, kTimeGap (beyond
+  /// Parameters::max_step_s), kNonFiniteInput. Cost: O(n), with fading O(n^2 / 2).
+  Status predict(T dt_s);
+
+  int feature_count() const { return feature_count_; }
+  int anchor_count() const { return anchor_count_; }
+  int state_size() const { return covariance_.size(); }
+  /// Identity of the feature in `slot`, 0 <= slot < feature_count(). Removing a feature moves the
+  /// last one into its slot.
+  LandmarkId feature_id(int slot) const { return features_[slot].id; }
+  FeatureKind feature_kind(int slot) const { return features_[slot].kind; }
+  const FeatureStatistics& feature_statistics(int slot) const { return features_[slot].statistics; }
+  /// Slot of `id`, -1 if there is none.
+  int find(LandmarkId id) const;
+
+  /// Where the feature is expected in the image, and S = H P H' + R. kInvalidArgument for a bad
+  /// slot; kOutOfView behind the camera or outside the image, `prediction` untouched.
+  Status predict_feature(int slot, PixelPrediction<T>& prediction) const;
+
+  /// Uses the matches of one frame: 1-point RANSAC, support gate, update with the low-innovation
+  /// inliers, rescue, update with the high-innovation inliers. Sets `inlier` of every match and
+  /// fills `report` (nis is the sum over the used matches, 2 degrees of freedom each). Then turns
+  /// at most Parameters::max_conversions_per_update features into points. Call it every frame, with
+  /// count = 0 where nothing was matched, so that the statistics go on.
+  ///
+  /// kNoConsensus: too little support (also for count = 0), kInvalidArgument (count, slots that are
+  /// repeated or do not belong to the id), kNonFiniteInput. On each of these the estimate is
+  /// unchanged to the bit. Cost: about n_s^2 multiply-adds per inlier, n_s = state_size(), and at
+  /// most Parameters::ransac.max_hypotheses * count projections.
+  Status update(PixelMatch<T>* matches, int count, Random& random, UpdateReport& report);
+
+  /// New feature at `pixel` of the present frame, with the inverse depth of the parameters or the
+  /// one given (1/m; positive; ignored in kRotationOnly). kNotInitialised, kInvalidArgument (id 0,
+  /// inverse depth or sigma not positive), kDuplicate (id in use), kFull, kOutOfView, kDegenerate
+  /// (distortion cannot be inverted there), kNonFiniteInput.
+  Status add_feature(LandmarkId id, const Vector2<T>& pixel);
+  Status add_feature(LandmarkId id, const Vector2<T>& pixel, T inverse_depth, T sigma);
+
+  /// kInvalidArgument for a bad slot. The last feature takes its slot.
+  Status remove_feature(int slot);
+
+  /// Camera pose in the world.
+  Rigid<T> T_world_camera() const;
+  /// Covariance of position (rows 0 to 2, world axes, m) and of the rotation vector phi (rows 3 to
+  /// 5, camera axes, rad) with R_true = R exp(phi).
+  Matrix<T, 6, 6> pose_covariance() const;
+  /// Velocity in the world, m/s (zero unless kSixDof), and rate in the camera frame, rad/s.
+  Vector3<T> velocity_mps() const;
+  Vector3<T> rate_radps() const;
+
+  /// World point of a feature, m, and its covariance to first order. kInvalidArgument for a bad
+  /// slot, kDegenerate in kRotationOnly.
+  Status feature_position(int slot, Vector3<T>& p_world, Matrix3<T>& covariance) const;
+  /// Inverse depth from the feature's anchor (from the camera for a point), 1/m, and its standard
+  /// deviation. Same errors as feature_position().
+  Status feature_inverse_depth(int slot, T& inverse_depth, T& sigma) const;
+
+  /// Camera with the focal length as it is estimated.
+  PinholeCamera<T> camera() const { return camera_at(x_); }
+  /// Standard deviation of the focal length, as a share of it; 0 where it is not estimated.
+  T focal_sigma() const;
+  const Parameters& parameters() const { return parameters_; }
+  /// Factor of the last fading: Parameters::fading_factor or what the innovations asked for.
+  T last_fading_factor() const { return last_fading_factor_; }
+  const Health& health() const { return health_; }
+  /// Fingerprint of estimate, covariance and features.
+  void hash(Hash64& hash) const;
+
+ private:
+  struct Feature {
+    LandmarkId id = kNoLandmark;
+    FeatureKind kind = FeatureKind::kInverseDepth;
+    int at = 0;                                         ///< first index of its block in the state
+    int anchor = -1;                                    ///< index into anchors_, -1 for none
+    Matrix3<T> R_world_birth = Matrix3<T>::Identity();  ///< axes of theta and phi
+    T first_inverse_depth = T(0);
+    FeatureStatistics statistics;
+  };
+  struct Anchor {
+    int at = 0;
+    int users = 0;
+  };
+  /// Offsets of the camera block's parts; -1 for a part that the motion model lacks.
+  struct Layout {
+    int position = -1;
+    int lever = -1;
+    int quaternion = 0;
+    int focal = -1;
+    int velocity = -1;
+    int rate = 0;
+    int measured = 0;  ///< pixels depend on the columns [0, measured) of the camera block
+    int size = 0;
+    int block = 3;  ///< size of a feature or anchor block
+  };
+  using Rows2 = mono::SparseRows<T, 2>;
+  using Rows3 = mono::SparseRows<T, 3>;
+  using Covariance = PackedSymmetric<T, kMaxStates>;
+
+  // Camera block.
+  static Layout make_layout(const Parameters& parameters);
+  Vector<T, 4> quaternion_at(const T* x) const;
+  Vector3<T> position_at(const T* x) const;
+  PinholeCamera<T> camera_at(const T* x) const;
+  T focal_factor_at(const T* x) const { return layout_.focal < 0 ? T(1) : T(1) + x[layout_.focal]; }
+  static Vector3<T> vector3_at(const T* x, int at) { return {x[at], x[at + 1], x[at + 2]}; }
+  /// Columns of the camera block for a function of position, attitude and focal length.
+  void add_camera_run(Rows2& rows, const Matrix<T, 2, 3>& wrt_position,
+                      const Matrix<T, 2, 4>& wrt_q, const Vector2<T>& wrt_focal) const;
+  /// Columns of the camera block for a function of the position alone.
+  template <int Rows>
+  void add_position_run(mono::SparseRows<T, Rows>& rows,
+                        const Matrix<T, Rows, 3>& wrt_position) const;
+
+  // Prediction.
+  void propagate(const mono::RotationStep<T>& step, T dt_s);
+  void apply_transition(const mono::RotationStep<T>& step, T dt_s, T* v) const;
+  void set_process_noise(const mono::RotationStep<T>& step, T dt_s);
+  void add_process_noise();
+  void fade(T factor, bool keep_process_noise);
+  void fading_limits(T* limit) const;
+
+  // Measurement.
+  Vector3<T> ray_at(const T* x, const Feature& feature, T inverse_depth) const;
+  T inverse_depth_at(const T* x, const Feature& feature) const;
+  Status pixel_at(const T* x, int slot, Vector2<T>& pixel) const;
+  Status linearise(int slot, Vector2<T>& pixel, Rows2& rows) const;
+
+  // Update.
+  Status check_matches(const PixelMatch<T>* matches, int count) const;
+  void count_visibility();
+  int evaluate_hypothesis(const PixelMatch<T>* matches, int count, int candidate,
+                          bool* supporters) const;
+  void adapt_memory(const PixelMatch<T>* matches, int count, const bool* use);
+  int apply(PixelMatch<T>* matches, int count, const bool* use, UpdateReport& report);
+  void correct_state(const T* delta);
+  void rescue(const PixelMatch<T>* matches, int count, bool* rescued) const;
+
+  // Features.
+  void append_feature(const Rows3& rows, const Matrix2<T>& noise, T sigma, bool with_depth);
+  void point_rows(const Feature& feature, Vector3<T>& p_world, Rows3& rows) const;
+  int anchor_for_birth();
+  void move_to_camera(Feature& feature);
+  void release_anchor(int anchor);
+  void remove_block(int at);
+  void convert_linear_features();
+  bool is_linear(const Feature& feature) const;
+  void convert_to_point(Feature& feature);
+
+  Parameters parameters_;
+  PinholeCamera<T> camera_;
+  Layout layout_;
+  T x_[kMaxStates] = {};
+  Covariance covariance_;
+  PackedSymmetric<T, kMaxCameraStates> process_noise_;  ///< Q of the last prediction
+  Feature features_[MaxFeatures];
+  Anchor anchors_[MaxAnchors];
+  int feature_count_ = 0;
+  int anchor_count_ = 0;
+  int frame_anchor_ = -1;  ///< anchor of the present frame's births
+  int next_conversion_ = 0;
+  T innovation_memory_ = T(-1);  ///< strong tracking's V, px^2 per coordinate; negative: none yet
+  T last_fading_factor_ = T(1);
+  bool initialised_ = false;
+  Health health_;
+};
+
+}  // namespace cairn
+
+#include "cairn/mono/detail/mono_ekf_features_impl.hpp"
+#include "cairn/mono/detail/mono_ekf_measure_impl.hpp"
+#include "cairn/mono/detail/mono_ekf_predict_impl.hpp"
+#include "cairn/mono/detail/mono_ekf_update_impl.hpp"
