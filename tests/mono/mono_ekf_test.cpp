@@ -1,13 +1,153 @@
 #include "cairn/mono/mono_ekf.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
+#include "mono_scene.hpp"
+
 namespace cairn {
-template class MonoEkf<float, 32>;
-template class MonoEkf<double, 30>;
 namespace {
-TEST(MonoEkf, Sizes) {
-  printf("sizeof %zu states %d\n", sizeof(MonoEkf<float, 30>), MonoEkf<float, 30>::kMaxStates);
+
+using test::MonoScene;
+
+template <class T>
+class MonoEkfContract : public ::testing::Test {};
+using Scalars = ::testing::Types<float, double>;
+TYPED_TEST_SUITE(MonoEkfContract, Scalars);
+
+TEST(MonoEkfSize, CovarianceOfThirtyFeaturesFitsThirtyKilobytes) {
+  using Filter = MonoEkf<float, 30>;
+  constexpr int kBytes = Filter::kMaxStates * (Filter::kMaxStates + 1) / 2 * 4;
+  static_assert(kBytes <= 30 * 1024, "P of n = 30");
+  EXPECT_LE(sizeof(Filter), 35U * 1024U);
 }
+
+TYPED_TEST(MonoEkfContract, RefusesImpossibleConfiguration) {
+  using Filter = MonoEkf<TypeParam, 24>;
+  Filter filter;
+  auto camera = MonoScene::camera<TypeParam>();
+  EXPECT_EQ(filter.predict(TypeParam(0.04)), Status::kNotInitialised);
+  camera.fx = TypeParam(0);
+  EXPECT_EQ(filter.initialise(camera, {}), Status::kBadConfig);
+  camera = MonoScene::camera<TypeParam>();
+  MonoParameters<TypeParam> parameters;
+  parameters.sigma_px = std::numeric_limits<TypeParam>::quiet_NaN();
+  EXPECT_EQ(filter.initialise(camera, parameters), Status::kBadConfig);
+  parameters = {};
+  parameters.fading_factor = TypeParam(0.9);
+  EXPECT_EQ(filter.initialise(camera, parameters), Status::kBadConfig);
+  EXPECT_EQ(filter.initialise(camera, {}), Status::kOk);
+}
+
+TYPED_TEST(MonoEkfContract, EveryErrorLeavesTheEstimateUnchangedToTheBit) {
+  using T = TypeParam;
+  using Filter = MonoEkf<TypeParam, 24>;
+  MonoScene scene;
+  Filter filter;
+  Random random(1);
+  UpdateReport report;
+  ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), {})));
+  scene.add_features(filter, 24);
+  for (int k = 0; k < 10; ++k) scene.step(filter, random);
+  const std::uint64_t before = test::hash_of(filter);
+  const T nan = std::numeric_limits<T>::quiet_NaN();
+
+  EXPECT_EQ(filter.predict(T(0)), Status::kDuplicate);
+  EXPECT_EQ(filter.predict(T(-0.1)), Status::kTimeBackwards);
+  EXPECT_EQ(filter.predict(T(5)), Status::kTimeGap);
+  EXPECT_EQ(filter.predict(nan), Status::kNonFiniteInput);
+  EXPECT_EQ(filter.remove_feature(-1), Status::kInvalidArgument);
+  EXPECT_EQ(filter.remove_feature(24), Status::kInvalidArgument);
+  EXPECT_EQ(filter.add_feature(999, {T(100), T(100)}), Status::kFull);
+  auto matches = scene.matches(filter);
+  EXPECT_EQ(filter.update(matches.data(), -1, random, report), Status::kInvalidArgument);
+  EXPECT_EQ(filter.update(matches.data(), 25, random, report), Status::kInvalidArgument);
+  matches[1].slot = matches[0].slot;
+  EXPECT_EQ(filter.update(matches.data(), 2, random, report), Status::kInvalidArgument);
+  matches = scene.matches(filter);
+  matches[0].id += 1;
+  EXPECT_EQ(filter.update(matches.data(), 2, random, report), Status::kInvalidArgument);
+  matches = scene.matches(filter);
+  matches[3].pixel.x() = nan;
+  EXPECT_EQ(filter.update(matches.data(), 8, random, report), Status::kNonFiniteInput);
+  matches = scene.matches(filter);
+  EXPECT_EQ(filter.update(matches.data(), 3, random, report), Status::kNoConsensus);
+  EXPECT_EQ(filter.update(nullptr, 0, random, report), Status::kNoConsensus);
+  EXPECT_EQ(test::hash_of(filter), before);
+
+  ASSERT_TRUE(ok(filter.remove_feature(5)));
+  const std::uint64_t shorter = test::hash_of(filter);
+  EXPECT_EQ(filter.add_feature(filter.feature_id(0), {T(100), T(100)}), Status::kDuplicate);
+  EXPECT_EQ(filter.add_feature(kNoLandmark, {T(100), T(100)}), Status::kInvalidArgument);
+  EXPECT_EQ(filter.add_feature(999, {T(100), T(100)}, T(-1), T(1)), Status::kInvalidArgument);
+  EXPECT_EQ(filter.add_feature(999, {T(-5), T(100)}), Status::kOutOfView);
+  EXPECT_EQ(filter.add_feature(999, {nan, T(100)}), Status::kNonFiniteInput);
+  EXPECT_EQ(test::hash_of(filter), shorter);
+  EXPECT_EQ(filter.health().time_errors, 3U);
+  EXPECT_EQ(filter.health().non_finite_inputs, 3U);
+  EXPECT_EQ(filter.health().ransac_no_consensus, 1U);
+}
+
+TYPED_TEST(MonoEkfContract, TwoInstancesInterleavedGiveTheSameBytes) {
+  using T = TypeParam;
+  using Filter = MonoEkf<TypeParam, 24>;
+  MonoScene scene_a, scene_b;
+  Filter a, b;
+  Random random_a(4), random_b(4);
+  ASSERT_TRUE(ok(a.initialise(MonoScene::camera<T>(), {})));
+  scene_a.add_features(a, 20);
+  ASSERT_TRUE(ok(b.initialise(MonoScene::camera<T>(), {})));
+  scene_b.add_features(b, 20);
+  for (int k = 0; k < 30; ++k) {
+    scene_a.step(a, random_a);
+    scene_b.step(b, random_b);
+    ASSERT_EQ(test::hash_of(a), test::hash_of(b));
+  }
+}
+
+TYPED_TEST(MonoEkfContract, FollowsATranslatingCamera) {
+  using T = TypeParam;
+  using Filter = MonoEkf<TypeParam, 24>;
+  MonoScene scene;
+  Filter filter;
+  Random random(1);
+  ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), {})));
+  scene.add_features(filter, 24);
+  for (int k = 0; k < 100; ++k) scene.step(filter, random);
+  const Rigid<double> truth = scene.T_world_camera();
+  const Rigid<T> estimate = filter.T_world_camera();
+  const Quaternion<double> error =
+      truth.rotation.conjugate() * estimate.rotation.template cast<double>();
+  EXPECT_LT(rotation_log(error).norm(), 0.02);
+  const Vector3<double> moved = estimate.translation.template cast<double>();
+  const double cosine = moved.dot(truth.translation) / (moved.norm() * truth.translation.norm());
+  EXPECT_GT(cosine, 0.99);
+}
+
+TYPED_TEST(MonoEkfContract, RemovalAndRebirthKeepsIdentities) {
+  using T = TypeParam;
+  using Filter = MonoEkf<TypeParam, 24>;
+  MonoScene scene;
+  Filter filter;
+  Random random(1);
+  ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), {})));
+  scene.add_features(filter, 24);
+  for (int k = 0; k < 60; ++k) {
+    scene.step(filter, random);
+    ASSERT_TRUE(ok(filter.remove_feature(random.below(filter.feature_count()))));
+    ASSERT_TRUE(ok(filter.remove_feature(random.below(filter.feature_count()))));
+    scene.add_features(filter, 24);
+    for (int slot = 0; slot < filter.feature_count(); ++slot) {
+      ASSERT_EQ(filter.find(filter.feature_id(slot)), slot);
+      PixelPrediction<T> prediction;
+      if (!ok(filter.predict_feature(slot, prediction))) continue;
+      const Vector2<double> want = scene.pixel(filter.feature_id(slot));
+      EXPECT_LT((prediction.pixel.template cast<double>() - want).norm(), 8.0);
+    }
+    ASSERT_LE(filter.anchor_count(), Filter::kMaxAnchors);
+  }
+}
+
 }  // namespace
 }  // namespace cairn

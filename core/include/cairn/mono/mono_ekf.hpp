@@ -31,6 +31,13 @@ struct FeatureStatistics {
   int out_of_view = 0;         ///< updates outside the image since it was last inside
 };
 
+/// When prune() removes a feature.
+struct FeaturePolicy {
+  int min_predicted = 6;  ///< judged by its record only after so many predictions
+  float min_measured_share = 0.5F;
+  int max_out_of_view = 20;  ///< updates outside the image
+};
+
 /// Monocular EKF-SLAM with inverse-depth features, 1-point RANSAC and fading memory: camera pose,
 /// velocities and features from matched pixels alone. The world is the camera at initialise(); its
 /// scale is set by the prior of the inverse depth.
@@ -54,6 +61,7 @@ class MonoEkf {
   static_assert(MaxFeatures >= 1 && MaxAnchors >= 1 && MaxAnchors <= MaxFeatures, "capacities");
 
  public:
+  using Scalar = T;
   using Parameters = MonoParameters<T>;
   static constexpr int kMaxFeatures = MaxFeatures;
   static constexpr int kMaxAnchors = MaxAnchors;
@@ -105,6 +113,11 @@ class MonoEkf {
 
   /// kInvalidArgument for a bad slot. The last feature takes its slot.
   Status remove_feature(int slot);
+
+  /// Removes every feature that is measured in too small a share of the updates in which it was
+  /// predicted, or has been out of view for too long; then, while fewer than `room` slots are free,
+  /// the ones longest out of view. Returns the number removed. Cost: O(n) per feature removed.
+  int prune(const FeaturePolicy& policy, int room);
 
   /// Camera pose in the world.
   Rigid<T> T_world_camera() const;

@@ -170,6 +170,32 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::remove_feature(int slot) {
 }
 
 template <class T, int MaxFeatures, int MaxAnchors>
+int MonoEkf<T, MaxFeatures, MaxAnchors>::prune(const FeaturePolicy& policy, int room) {
+  int removed = 0;
+  for (int slot = feature_count_ - 1; slot >= 0; --slot) {
+    const FeatureStatistics& s = features_[slot].statistics;
+    const bool poor = s.predicted >= policy.min_predicted &&
+                      static_cast<float>(s.measured) <
+                          policy.min_measured_share * static_cast<float>(s.predicted);
+    if (!poor && s.out_of_view <= policy.max_out_of_view) continue;
+    if (ok(remove_feature(slot))) ++removed;
+  }
+  const int wanted = room < MaxFeatures ? room : MaxFeatures;
+  for (int k = 0; k < MaxFeatures && MaxFeatures - feature_count_ < wanted; ++k) {
+    int worst = -1;
+    int longest = 0;
+    for (int slot = 0; slot < feature_count_; ++slot) {
+      if (features_[slot].statistics.out_of_view <= longest) continue;
+      longest = features_[slot].statistics.out_of_view;
+      worst = slot;
+    }
+    if (worst < 0) break;
+    if (ok(remove_feature(worst))) ++removed;
+  }
+  return removed;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
 void MonoEkf<T, MaxFeatures, MaxAnchors>::release_anchor(int anchor) {
   if (--anchors_[anchor].users > 0) return;
   const int at = anchors_[anchor].at;
