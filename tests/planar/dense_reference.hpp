@@ -47,7 +47,8 @@ class DenseEkf {
   void update(const Step& step) {
     std::vector<Sighting> known;
     std::vector<Sighting> fresh;
-    for (const Sighting& s : step.sightings) (index_.count(s.id) != 0U ? known : fresh).push_back(s);
+    for (const Sighting& s : step.sightings)
+      (index_.count(s.id) != 0U ? known : fresh).push_back(s);
     const int m = static_cast<int>(known.size());
     const int n = static_cast<int>(x_.size());
     Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2 * m, n);
@@ -121,9 +122,7 @@ class DenseRightInvariantEkf {
   }
   double heading() const { return heading_; }
   Eigen::Vector2d position() const { return anchor_ + x_.head<2>(); }
-  Eigen::Vector2d landmark(LandmarkId id) const {
-    return anchor_ + x_.segment<2>(index_.at(id));
-  }
+  Eigen::Vector2d landmark(LandmarkId id) const { return anchor_ + x_.segment<2>(index_.at(id)); }
   /// Over (heading, xi).
   Eigen::Matrix3d covariance() const { return P_.topLeftCorner<3, 3>(); }
   Eigen::Vector2d relative_position() const { return x_.head<2>(); }
@@ -133,7 +132,8 @@ class DenseRightInvariantEkf {
   void update(const Step& step) {
     std::vector<Sighting> known;
     std::vector<Sighting> fresh;
-    for (const Sighting& s : step.sightings) (index_.count(s.id) != 0U ? known : fresh).push_back(s);
+    for (const Sighting& s : step.sightings)
+      (index_.count(s.id) != 0U ? known : fresh).push_back(s);
     const int m = static_cast<int>(known.size());
     if (m > 0) {
       Eigen::MatrixXd H = Eigen::MatrixXd::Zero(2 * m, P_.rows());
@@ -145,11 +145,10 @@ class DenseRightInvariantEkf {
         H.block<2, 2>(2 * k, 1 + l) = Eigen::Matrix2d::Identity();
         nu.segment<2>(2 * k) = R * known[k].y - (x_.segment<2>(l) - x_.head<2>());
       }
-      const Eigen::VectorXd d =
-          dense_update(P_, H,
-                       drive_.settings.sigma_r * drive_.settings.sigma_r *
-                           Eigen::MatrixXd::Identity(2 * m, 2 * m),
-                       nu);
+      const Eigen::VectorXd d = dense_update(P_, H,
+                                             drive_.settings.sigma_r * drive_.settings.sigma_r *
+                                                 Eigen::MatrixXd::Identity(2 * m, 2 * m),
+                                             nu);
       const double t = d(0);
       Eigen::Matrix2d V = Eigen::Matrix2d::Identity();
       if (std::abs(t) > 1e-12) {

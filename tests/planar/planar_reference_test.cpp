@@ -2,6 +2,7 @@
 
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
+
 #include "dense_reference.hpp"
 
 namespace cairn {
@@ -77,8 +78,8 @@ TEST_P(PlanarReference, GroupEqualsDenseRightInvariantEkf) {
     ASSERT_LT(largest(c - expected), 1e-8 * largest(expected));
   }
   for (int slot = 0; slot < filter.landmark_count(); ++slot) {
-    EXPECT_LT(
-        largest(filter.mean_landmark(slot) - reference.landmark(filter.landmark_id(slot))), 1e-8);
+    EXPECT_LT(largest(filter.mean_landmark(slot) - reference.landmark(filter.landmark_id(slot))),
+              1e-8);
   }
 }
 

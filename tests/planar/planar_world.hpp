@@ -11,8 +11,8 @@
 
 namespace cairn::planar_test {
 
-/// A small copy of paper A's experiment 4.1: 20 m x 20 m, a rounded square driven in 80 s, Ackermann
-/// odometry at 10 Hz, Cartesian points within 6 m at 2 Hz.
+/// A small copy of paper A's experiment 4.1: 20 m x 20 m, a rounded square driven in 80 s,
+/// Ackermann odometry at 10 Hz, Cartesian points within 6 m at 2 Hz.
 struct WorldSettings {
   int landmarks = 20;
   int loops = 2;
@@ -90,8 +90,7 @@ inline Drive make_drive(unsigned seed, const WorldSettings& s = WorldSettings{})
     const double turn = turn_rate * s.dt_s * (1.0 + 0.6 * std::cos(4.0 * phase));
     const double phi = std::atan(turn * s.wheelbase_m / (s.dt_s * s.speed));
     const bool arc = s.model == MotionModel::kExactArc;
-    const double distance =
-        s.dt_s * s.speed * (arc ? std::sin(0.5 * turn) / (0.5 * turn) : 1.0);
+    const double distance = s.dt_s * s.speed * (arc ? std::sin(0.5 * turn) / (0.5 * turn) : 1.0);
     const double direction = x(2) + (arc ? 0.5 * turn : 0.0);
     x(0) += distance * std::cos(direction);
     x(1) += distance * std::sin(direction);

@@ -2,6 +2,7 @@
 // double in float code, no heap) hold for their templates too.
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/planar/lifted_iekf_slam.hpp"
 #include "cairn/runtime/config.hpp"
 
 namespace cairn {
@@ -10,5 +11,7 @@ template class EkfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
 template class EkfSlam<double, DefaultConfig::kMaxLandmarks, 2>;
 template class GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
 template class GroupIekfSlam<double, DefaultConfig::kMaxLandmarks, 2>;
+template class LiftedIekfSlam<float, TinyConfig::kMaxLandmarks, 3>;
+template class LiftedIekfSlam<double, TinyConfig::kMaxLandmarks, 2>;
 
 }  // namespace cairn
