@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/map/landmark.hpp"
+#include "cairn/numeric/fixed_vector.hpp"
+#include "cairn/numeric/health.hpp"
+#include "cairn/runtime/config.hpp"
+
+namespace cairn {
+
+/// Bounded library of archived landmarks, all storage inside.
+///
+/// Admission and replacement. A landmark's worth is its score (landmark_score) divided by one plus
+/// the number of its neighbours, so that a crowded place gives way before a lone landmark does. Two
+/// landmarks are neighbours when they are nearer to each other than 5 % of the mean distance from
+/// which they were described. When the library is full, a newcomer replaces the landmark of least
+/// worth if it is worth more, and is refused otherwise. Ties: fewer sightings lose, then the
+/// younger (higher) id; slots never decide, so the choice does not depend on the order in which
+/// landmarks came.
+template <class Config, int Views = 1>
+class MapLibrary {
+ public:
+  using Scalar = typename Config::Scalar;
+  using Landmark = MapLandmark<Scalar, Views>;
+  static constexpr int kCapacity = Config::kLibraryLandmarks;
+  static constexpr int kViews = Views;
+  static_assert(kCapacity > 0 && kCapacity <= 4096, "slots are searched linearly");
+  static_assert(Views >= 1 && Views <= 8, "views a landmark");
+
+  int size() const { return landmarks_.size(); }
+  bool empty() const { return landmarks_.empty(); }
+  const Landmark& operator[](int slot) const { return landmarks_[slot]; }
+  /// Score over (1 + neighbours), times 16 so that rounding keeps the order.
+  int worth(int slot) const { return worth_of(score_[slot], neighbours_[slot]); }
+  int neighbours(int slot) const { return neighbours_[slot]; }
+
+  /// Counts every change of the content; equal revisions of one library mean equal content.
+  std::uint32_t revision() const { return revision_; }
+
+  /// Slot of `id`, -1 when absent. Cost: one pass.
+  int find(LandmarkId id) const {
+    for (int slot = 0; slot < size(); ++slot) {
+      if (landmarks_[slot].id == id) return slot;
+    }
+    return -1;
+  }
+
+  /// Adds a landmark, replacing one of less worth when full.
+  /// kDuplicate: the id is in the library (see update). kFull: nothing in it is worth less.
+  /// kNonFiniteInput, kInvalidArgument: see validate(). Cost: two passes over the library.
+  Status insert(const Landmark& landmark, Health& health);
+
+  /// Overwrites the landmark of the same id. kNotFound, or as insert. Cost: three passes.
+  Status update(const Landmark& landmark);
+
+  /// Removes a landmark by moving the last one into its slot. kNotFound.
+  Status remove(LandmarkId id);
+
+  /// Notes that a landmark was looked for, and whether it was found. kNotFound.
+  Status record(LandmarkId id, bool seen);
+
+  void clear() {
+    landmarks_.clear();
+    ++revision_;
+  }
+
+  /// kNonFiniteInput for NaN or infinity; kInvalidArgument for id 0, a view count outside 1 ..
+  /// Views, a focal length that is not positive, a negative variance, a reference rotation that is
+  /// not a unit quaternion, a reference camera at the landmark, or more sightings than searches.
+  static Status validate(const Landmark& landmark);
+
+ private:
+  static constexpr int kWorthUnit = 16;
+
+  static int worth_of(int score, int neighbours) { return score * kWorthUnit / (1 + neighbours); }
+  static bool are_neighbours(const Landmark& a, const Landmark& b);
+  int count_neighbours(const Landmark& landmark, int except_slot) const;
+  void add_to_neighbours(const Landmark& landmark, int except_slot, int change);
+  void place(int slot, const Landmark& landmark);
+  bool worth_less(int slot, int worth, const Landmark& landmark) const;
+  int least_worth_slot() const;
+
+  FixedVector<Landmark, kCapacity> landmarks_;
+  std::uint16_t neighbours_[kCapacity] = {};
+  std::uint16_t score_[kCapacity] = {};
+  std::uint32_t revision_ = 0;
+};
+
+}  // namespace cairn
+
+#include "cairn/map/detail/library_impl.hpp"

@@ -1,0 +1,84 @@
+#pragma once
+
+#include "cairn/map/library.hpp"
+#include "cairn/numeric/fixed_vector.hpp"
+
+namespace cairn {
+
+template <class T>
+struct VisibilityOptions {
+  T margin_px = T(0);     ///< how far inside the image the predicted pixel must lie; may be < 0
+  T min_scale = T(0.6);   ///< image scale now over image scale at description
+  T max_scale = T(2.8);   ///< 2^(24/16): the pattern cannot grow further
+  T min_cosine = T(0.5);  ///< of the angle between the directions of view: 60 degrees
+};
+
+/// A library landmark that a camera should see.
+template <class T>
+struct VisibleLandmark {
+  int slot = -1;  ///< in the library that was searched
+  LandmarkId id = kNoLandmark;
+  int view = 0;  ///< the view nearest in direction
+  int worth = 0;
+  ViewPrediction<T> prediction;
+};
+
+/// The landmarks of `library` that a camera at `T_world_camera` should see: inside the image, at a
+/// scale and a viewing angle at which their descriptor can be matched, and not in `exclude` (ids
+/// that are already tracked). Most worth first, ties by id; at most `capacity` of them are written
+/// to `visible`. Returns their number.
+///
+/// Cost: one pass over the library, about 150 operations a landmark and view; |exclude| comparisons
+/// and at most `capacity` moves for each one that is visible.
+template <class Config, int Views>
+int find_visible(const MapLibrary<Config, Views>& library,
+                 const PinholeCamera<typename Config::Scalar>& camera,
+                 const Rigid<typename Config::Scalar>& T_world_camera,
+                 const VisibilityOptions<typename Config::Scalar>& options,
+                 Span<LandmarkId> exclude, VisibleLandmark<typename Config::Scalar>* visible,
+                 int capacity) {
+  using T = typename Config::Scalar;
+  int count = 0;
+  if (visible == nullptr || capacity <= 0) return 0;
+  for (int slot = 0; slot < library.size(); ++slot) {
+    const auto& landmark = library[slot];
+    VisibleLandmark<T> candidate;
+    candidate.slot = slot;
+    candidate.id = landmark.id;
+    candidate.worth = library.worth(slot);
+    if (count == capacity && candidate.worth < visible[count - 1].worth) continue;
+    T best_cosine = options.min_cosine;
+    bool seen = false;
+    for (int v = 0; v < landmark.view_count; ++v) {
+      ViewPrediction<T> prediction;
+      if (!ok(predict_view(camera, T_world_camera, landmark.p_world, landmark.views[v],
+                           prediction))) {
+        break;
+      }
+      if (!camera.contains(prediction.pixel, options.margin_px)) break;
+      if (!(prediction.cosine >= best_cosine) || !(prediction.scale_ratio >= options.min_scale) ||
+          !(prediction.scale_ratio <= options.max_scale)) {
+        continue;
+      }
+      best_cosine = prediction.cosine;
+      candidate.view = v;
+      candidate.prediction = prediction;
+      seen = true;
+    }
+    for (int e = 0; seen && e < exclude.size; ++e) seen = exclude[e] != landmark.id;
+    if (!seen) continue;
+    int place = count < capacity ? count : capacity;
+    while (place > 0 && (visible[place - 1].worth < candidate.worth ||
+                         (visible[place - 1].worth == candidate.worth &&
+                          visible[place - 1].id > candidate.id))) {
+      if (place < capacity) visible[place] = visible[place - 1];
+      --place;
+    }
+    if (place == capacity) continue;
+    visible[place] = candidate;
+    if (count < capacity) ++count;
+  }
+  return count;
+}
+
+}  // namespace cairn
