@@ -11,7 +11,7 @@ import sys
 
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
-STANDARD = set("""algorithm array cfloat climits cmath cstddef cstdint cstring initializer_list limits
+STANDARD = set("""algorithm array atomic cfloat climits cmath cstddef cstdint cstring initializer_list limits
                   new tuple type_traits utility stdint.h stddef.h""".split())
 # SIMD of the compiler itself; vision falls back to plain words where there is none.
 INTRINSICS = {"emmintrin.h", "arm_neon.h", "arm_acle.h"}
