@@ -37,7 +37,7 @@ struct UpdateReport {
   int low_innovation = 0;   ///< inliers of the best hypothesis, first partial update
   int high_innovation = 0;  ///< rescued, second partial update
   int gated = 0;            ///< rejected by the gate
-  double nis = 0.0;         ///< normalised innovation squared of the used matches, summed
+  float nis = 0.0F;         ///< normalised innovation squared of the used matches, summed
   int nis_dof = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 namespace cairn {
 
@@ -10,14 +11,17 @@ namespace cairn {
 /// differ between CPUs.
 class Hash64 {
  public:
-  void add(std::uint8_t value) { mix(value); }
-  void add(std::uint32_t value) {
-    for (int shift = 0; shift < 32; shift += 8) mix(static_cast<std::uint8_t>(value >> shift));
+  /// Any fixed-width integer (1, 4 or 8 bytes), int and bool. A template, because which of int and
+  /// long std::int32_t is differs between targets.
+  template <class Integer, std::enable_if_t<std::is_integral<Integer>::value, bool> = true>
+  void add(Integer value) {
+    static_assert(sizeof(Integer) == 1 || sizeof(Integer) == 4 || sizeof(Integer) == 8,
+                  "hash values of 1, 4 or 8 bytes");
+    const auto bits = static_cast<std::uint64_t>(value);
+    for (unsigned shift = 0; shift < 8U * sizeof(Integer); shift += 8U) {
+      mix(static_cast<std::uint8_t>(bits >> shift));
+    }
   }
-  void add(std::uint64_t value) {
-    for (int shift = 0; shift < 64; shift += 8) mix(static_cast<std::uint8_t>(value >> shift));
-  }
-  void add(std::int32_t value) { add(static_cast<std::uint32_t>(value)); }
   void add(float value) {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);

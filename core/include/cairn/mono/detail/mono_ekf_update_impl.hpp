@@ -142,7 +142,7 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count
     const T g1 = ib * nu0 + ic * nu1;
     for (int i = 0; i < n; ++i) delta[i] += gain[0][i] * g0 + gain[1][i] * g1;
     covariance_.downdate(gain[0], gain[1], ia, ib, ic);
-    report.nis += static_cast<double>(nu0 * g0 + nu1 * g1);
+    report.nis += static_cast<float>(nu0 * g0 + nu1 * g1);
     report.nis_dof += 2;
     matches[m].inlier = true;
     ++used;

@@ -329,7 +329,7 @@ void CAIRN_PLANAR_FILTER::use(int first, int count, UpdateReport& report) {
   }
   flush(rank);
   derived().correct(d_);
-  report.nis += static_cast<double>(nis);
+  report.nis += static_cast<float>(nis);
 }
 
 /// Turns a pair into two unit-variance directions w_[rank], w_[rank + 1] (columns of P H^T L^-T, L
