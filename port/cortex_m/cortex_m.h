@@ -20,7 +20,7 @@ extern uint32_t cairn_frame_ram_end[];
 
 /// Lowest part of the stack that the MPU or the stack limit register keeps out of reach. No frame
 /// of the program may be larger, or it could step over the guard.
-enum { kStackGuardBytes = 2048, kNullGuardBytes = 1024 };
+enum { kStackGuardBytes = 4096, kNullGuardBytes = 1024 };
 
 void cortex_m_ticks_start(void);
 void cortex_m_guards_start(void);

@@ -29,7 +29,7 @@ static void forbid(uint32_t region, uint32_t base, uint32_t log2_bytes) {
 
 void cortex_m_guards_start(void) {
   forbid(0, 0, 10);
-  forbid(1, (uint32_t)cairn_stack_limit, 11);
+  forbid(1, (uint32_t)cairn_stack_limit, 12);
   MPU_CTRL = 5U;  // enable, default map for the rest
   enable_fault_exceptions();
 }
