@@ -48,6 +48,10 @@ class EkfSlam : public detail::WorldFrameFilter<EkfSlam<T, MaxLandmarks, Landmar
   void begin_update() {}
   int pending(const T**, const T**) const { return 0; }
   void pending_done() {}
+  bool pending_column(const typename Base::Pair&, T*, T*, const T**, T&, T&, T&, T&, T&) const {
+    return false;
+  }
+  void add_pending_columns(const typename Base::Pair&, T*, T*) const {}
   void hash_pending(Hash64&) const {}
   Trial begin_trial(const T* d) const;
   void relative_after(int slot, const T* d, const Trial& trial, T* out) const;

@@ -131,22 +131,23 @@ void CAIRN_EKF::relative_covariance(int slot, detail::RelativeCovariance<T>& out
   const int l = Base::state_of(slot);
   const T dx = this->p_[slot][0] - this->x_[0];
   const T dy = this->p_[slot][1] - this->x_[1];
-  // P C^T at the rows that C touches.
   const auto& P = this->P_;
-  T c[LandmarkDim][3 + LandmarkDim];
-  for (int k = 0; k < 3 + LandmarkDim; ++k) {
-    const int i = k < 3 ? k : l + k - 3;
-    c[0][k] = P(i, l) - P(i, 0) + dy * P(i, 2);
-    c[1][k] = P(i, l + 1) - P(i, 1) - dx * P(i, 2);
-    if constexpr (LandmarkDim > 2) c[2][k] = P(i, l + 2);
-  }
-  out.s[0] = c[0][3] - c[0][0] + dy * c[0][2];
-  out.s[1] = c[1][3] - c[1][0] + dy * c[1][2];
-  out.s[2] = c[1][4] - c[1][1] - dx * c[1][2];
+  const T* x = P.row(l);
+  const T* y = P.row(l + 1);
+  const T* p0 = P.row(0);
+  const T* p1 = P.row(1);
+  const T* p2 = P.row(2);
+  // P C^T at the vehicle, then C on the other side.
+  const T c0[3] = {x[0] - p0[0] + dy * p2[0], x[1] - p1[0] + dy * p2[1], x[2] - p2[0] + dy * p2[2]};
+  const T c1[3] = {y[0] - p1[0] - dx * p2[0], y[1] - p1[1] - dx * p2[1], y[2] - p2[1] - dx * p2[2]};
+  out.s[0] = x[l] - x[0] + dy * x[2] - c0[0] + dy * c0[2];
+  out.s[1] = y[l] - y[0] + dy * y[2] - c0[1] - dx * c0[2];
+  out.s[2] = y[l + 1] - y[1] - dx * y[2] - c1[1] - dx * c1[2];
   if constexpr (LandmarkDim > 2) {
-    out.s[3] = c[2][3] - c[2][0] + dy * c[2][2];
-    out.s[4] = c[2][4] - c[2][1] - dx * c[2][2];
-    out.s[5] = c[2][5];
+    const T* height = P.row(l + 2);
+    out.s[3] = height[l] - height[0] + dy * height[2];
+    out.s[4] = height[l + 1] - height[1] - dx * height[2];
+    out.s[5] = height[l + 2];
   }
 }
 

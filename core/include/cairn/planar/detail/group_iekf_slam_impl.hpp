@@ -153,19 +153,19 @@ void CAIRN_GROUP::begin_update() {
   b_[0] = T(1);
   b_[1] = T(0);
   b_[2] = T(0);
-  for (int j = 0; j < 3; ++j) wb_[j] = -W_(0, j);
-  for (int slot = 0; slot < this->table_.size(); ++slot) {
-    T* b = b_ + Base::state_of(slot);
-    T* wb = wb_ + Base::state_of(slot);
+  const int count = this->table_.size();
+  T* b = b_ + Base::state_of(0);
+  for (int slot = 0; slot < count; ++slot) {
     b[0] = this->p_[slot][1];
     b[1] = -this->p_[slot][0];
-    wb[0] = -W_(0, 0) * b[0];
-    wb[1] = -W_(0, 0) * b[1];
-    if constexpr (LandmarkDim > 2) {
-      b[2] = T(0);
-      wb[2] = T(0);
-    }
+    if constexpr (LandmarkDim > 2) b[2] = T(0);
+    b += LandmarkDim;
   }
+  const T w = -W_(0, 0);
+  const int n = this->P_.size();
+  for (int i = 0; i < n; ++i) wb_[i] = w * b_[i];
+  wb_[1] = -W_(0, 1);
+  wb_[2] = -W_(0, 2);
 }
 
 /// B W B^T as one asymmetric product over the lower triangle; rows 1 and 2 follow in
@@ -231,13 +231,16 @@ CAIRN_GROUP_TEMPLATE
 void CAIRN_GROUP::relative_covariance(int slot, detail::RelativeCovariance<T>& out) const {
   const auto& P = this->P_;
   const int l = Base::state_of(slot);
-  out.s[0] = P(l, l) - T(2) * P(l, 1) + P(1, 1);
-  out.s[1] = P(l + 1, l) - P(l + 1, 1) - P(l, 2) + P(2, 1);
-  out.s[2] = P(l + 1, l + 1) - T(2) * P(l + 1, 2) + P(2, 2);
+  const T* x = P.row(l);
+  const T* y = P.row(l + 1);
+  out.s[0] = x[l] - T(2) * x[1] + P.row(1)[1];
+  out.s[1] = y[l] - y[1] - x[2] + P.row(2)[1];
+  out.s[2] = y[l + 1] - T(2) * y[2] + P.row(2)[2];
   if constexpr (LandmarkDim > 2) {
-    out.s[3] = P(l + 2, l) - P(l + 2, 1);
-    out.s[4] = P(l + 2, l + 1) - P(l + 2, 2);
-    out.s[5] = P(l + 2, l + 2);
+    const T* height = P.row(l + 2);
+    out.s[3] = height[l] - height[1];
+    out.s[4] = height[l + 1] - height[2];
+    out.s[5] = height[l + 2];
   }
   if (!pending_) return;
   // C B = [-J p, -I].
@@ -279,22 +282,59 @@ void CAIRN_GROUP::relative_columns(int slot, T* c0, T* c1, T* c2) const {
       for (int j = l + 2; j < n; ++j) c2[j] = P.row(j)[l + 2];
     }
   }
-  if (!pending_) return;
-  // + B W (C B)^T.
-  const T b[2] = {this->p_[slot][1], -this->p_[slot][0]};
-  T m0[3];
-  T m1[3];
+}
+
+/// The pending noise's share of two columns: B W (H B)^T, H B = h [-J p, -I]. The rows of the
+/// vehicle go into g at once; those of the landmarks are the multiple -f of e = b_. Adds its share
+/// to S.
+CAIRN_GROUP_TEMPLATE
+bool CAIRN_GROUP::pending_column(const typename Base::Pair& pair, T* g0, T* g1, const T** e, T& f0,
+                                 T& f1, T& s00, T& s01, T& s11) const {
+  if (!pending_) return false;
+  const T* p = this->p_[pair.slot];
+  // Rows of H B.
+  T hb[2][3];
+  for (int r = 0; r < 2; ++r) {
+    const T hx = pair.direct ? T(r == 0 ? 1 : 0) : pair.h[r][0];
+    const T hy = pair.direct ? T(r == 0 ? 0 : 1) : pair.h[r][1];
+    hb[r][0] = hx * p[1] - hy * p[0];
+    hb[r][1] = -hx;
+    hb[r][2] = -hy;
+  }
+  T m[2][3];
+  for (int r = 0; r < 2; ++r) {
+    for (int k = 0; k < 3; ++k) {
+      m[r][k] = W_(k, 0) * hb[r][0] + W_(k, 1) * hb[r][1] + W_(k, 2) * hb[r][2];
+    }
+  }
+  // b_ is (1, 0, 0) on the vehicle, so its heading row comes with e.
+  for (int k = 1; k < 3; ++k) {
+    g0[k] += m[0][k];
+    g1[k] += m[1][k];
+  }
+  *e = b_;
+  f0 = -m[0][0];
+  f1 = -m[1][0];
   for (int k = 0; k < 3; ++k) {
-    m0[k] = b[0] * W_(k, 0) - W_(k, 1);
-    m1[k] = b[1] * W_(k, 0) - W_(k, 2);
+    s00 += hb[0][k] * m[0][k];
+    s01 += hb[0][k] * m[1][k];
+    s11 += hb[1][k] * m[1][k];
   }
-  for (int j = 0; j < 3; ++j) {
-    c0[j] += m0[j];
-    c1[j] += m1[j];
-  }
-  for (int j = 3; j < n; ++j) {
-    c0[j] += b_[j] * m0[0];
-    c1[j] += b_[j] * m1[0];
+  return true;
+}
+
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::add_pending_columns(const typename Base::Pair& pair, T* g0, T* g1) const {
+  const T* e = nullptr;
+  T f0 = T(0);
+  T f1 = T(0);
+  T s00 = T(0);
+  T s01 = T(0);
+  T s11 = T(0);
+  if (!pending_column(pair, g0, g1, &e, f0, f1, s00, s01, s11)) return;
+  for (int i = 0; i < this->P_.size(); ++i) {
+    g0[i] -= f0 * e[i];
+    g1[i] -= f1 * e[i];
   }
 }
 
@@ -327,24 +367,25 @@ void CAIRN_GROUP::relative_after(int slot, const T* d, const Trial& trial, T* ou
   if constexpr (LandmarkDim > 2) out[2] = this->p_[slot][2] + l[2];
 }
 
+/// p <- R(t) p + V(t) xi = p + V(t) (xi + t J p).
 CAIRN_GROUP_TEMPLATE
 void CAIRN_GROUP::correct(const T* d) {
   const T t = clamp(d[0], -kPi<T>, kPi<T>);
-  T sine = T(0);
-  T cosine = T(1);
-  sin_cos(t, sine, cosine);
   const Trial v = begin_trial(d);
   const auto move = [&](T* p, const T* xi) {
-    const T x = p[0];
-    p[0] = cosine * x - sine * p[1] + v.v00 * xi[0] - v.v01 * xi[1];
-    p[1] = sine * x + cosine * p[1] + v.v01 * xi[0] + v.v00 * xi[1];
+    const T x = xi[0] - t * p[1];
+    const T y = xi[1] + t * p[0];
+    p[0] += v.v00 * x - v.v01 * y;
+    p[1] += v.v01 * x + v.v00 * y;
   };
   this->heading_ = wrap_angle(this->heading_ + t);
   move(this->x_, d + 1);
-  for (int slot = 0; slot < this->table_.size(); ++slot) {
-    const T* l = d + Base::state_of(slot);
+  const int count = this->table_.size();
+  const T* l = d + Base::state_of(0);
+  for (int slot = 0; slot < count; ++slot) {
     move(this->p_[slot], l);
     if constexpr (LandmarkDim > 2) this->p_[slot][2] += l[2];
+    l += LandmarkDim;
   }
 }
 

@@ -37,6 +37,61 @@ void downdate(PackedSymmetric<T, Capacity>& P, const T* const* rows, const T* co
   }
 }
 
+/// Turns two raw columns into two whitened ones, and adds their correction:
+///   a = (g0 - sum_r f0[r] e_r) i00,  b = (g1 - sum_r f1[r] e_r - l10 a) i11,  d += a y0 + b y1.
+template <class T>
+struct Whitening {
+  T i00 = T(0);
+  T i11 = T(0);
+  T l10 = T(0);
+  T y0 = T(0);
+  T y1 = T(0);
+};
+template <int Count, class T>
+void whiten_columns(T* __restrict g0, T* __restrict g1, T* __restrict d, int n,
+                    const Whitening<T>& w, const T* const* e, const T* f0, const T* f1) {
+  const T* __restrict e0 = e[0];
+  const T* __restrict e1 = e[Count > 1 ? 1 : 0];
+  const T* __restrict e2 = e[Count > 2 ? 2 : 0];
+  const Whitening<T> k = w;
+  for (int i = 0; i < n; ++i) {
+    T a = g0[i];
+    T b = g1[i];
+    if constexpr (Count > 0) {
+      a -= f0[0] * e0[i];
+      b -= f1[0] * e0[i];
+    }
+    if constexpr (Count > 1) {
+      a -= f0[1] * e1[i];
+      b -= f1[1] * e1[i];
+    }
+    if constexpr (Count > 2) {
+      a -= f0[2] * e2[i];
+      b -= f1[2] * e2[i];
+    }
+    a *= k.i00;
+    b = (b - k.l10 * a) * k.i11;
+    g0[i] = a;
+    g1[i] = b;
+    d[i] += a * k.y0 + b * k.y1;
+  }
+}
+
+template <class T>
+void whiten_columns(T* g0, T* g1, T* d, int n, const Whitening<T>& w, int count, const T* const* e,
+                    const T* f0, const T* f1) {
+  switch (count) {
+    case 0:
+      return whiten_columns<0>(g0, g1, d, n, w, e, f0, f1);
+    case 1:
+      return whiten_columns<1>(g0, g1, d, n, w, e, f0, f1);
+    case 2:
+      return whiten_columns<2>(g0, g1, d, n, w, e, f0, f1);
+    default:
+      return whiten_columns<3>(g0, g1, d, n, w, e, f0, f1);
+  }
+}
+
 template <class T, int Capacity>
 void downdate(PackedSymmetric<T, Capacity>& P, int rank, const T* const* rows,
               const T* const* columns) {

@@ -18,7 +18,7 @@ namespace cairn::detail {
 ///   relative_of(slot, v, out)            C v, C the Jacobian of the relative vector
 ///   relative_covariance(slot, out)       C P C^T
 ///   relative_columns(slot, c0, c1, c2)   P C^T
-///   begin_update(), finish_pass(...)     noise that is still to be added to P
+///   begin_update(), pending...(), add_pending_columns()   noise that is still to be added to P
 ///   begin_trial(d), relative_after(...)  the relative vector if d were applied
 ///   correct(d)                           applies d to the mean
 ///   propagate, widen_pose_by, widen_landmark_by, append_landmark, remove_slot

@@ -333,52 +333,51 @@ void CAIRN_PLANAR_FILTER::use(int first, int count, UpdateReport& report) {
 }
 
 /// Turns a pair into two unit-variance directions w_[rank], w_[rank + 1] (columns of P H^T L^-T, L
-/// L^T = S) given those of the batch that P does not hold yet, and adds their correction to d_.
+/// L^T = S) and adds their correction to d_. P lacks the `rank` directions of this batch and the
+/// noise that is pending; both are low-rank terms -f e^T of the columns.
 CAIRN_PLANAR_TEMPLATE
 bool CAIRN_PLANAR_FILTER::whiten(const Pair& pair, int rank, T& nis) {
-  const int n = P_.size();
-  T* __restrict g0 = w_[rank];
-  T* __restrict g1 = w_[rank + 1];
+  T* g0 = w_[rank];
+  T* g1 = w_[rank + 1];
   columns(pair, g0, g1);
   T relative[LandmarkDim];
-  for (int r = 0; r < rank; ++r) {
-    const T* __restrict earlier = w_[r];
-    derived().relative_of(pair.slot, earlier, relative);
-    const T h0 = pair.row(0, relative);
-    const T h1 = pair.row(1, relative);
-    for (int i = 0; i < n; ++i) {
-      g0[i] -= h0 * earlier[i];
-      g1[i] -= h1 * earlier[i];
-    }
-  }
   derived().relative_of(pair.slot, g0, relative);
-  const T s00 = pair.row(0, relative) + pair.r00;
-  const T s01 = pair.row(1, relative) + pair.r01;
+  T s00 = pair.row(0, relative) + pair.r00;
+  T s01 = pair.row(1, relative) + pair.r01;
   derived().relative_of(pair.slot, g1, relative);
-  const T s11 = pair.row(1, relative) + pair.r11;
-  if (!(s00 > T(0))) return false;
-  const T i00 = T(1) / sqrt(s00);
-  const T l10 = s01 * i00;
-  const T rest = s11 - l10 * l10;
-  if (!(rest > T(0))) return false;
-  const T i11 = T(1) / sqrt(rest);
+  T s11 = pair.row(1, relative) + pair.r11;
 
-  derived().relative_of(pair.slot, d_, relative);
-  const T y0 = (pair.innovation[0] - pair.row(0, relative)) * i00;
-  const T y1 = (pair.innovation[1] - pair.row(1, relative) - l10 * y0) * i11;
-  T* __restrict d = d_;
-  for (int i = 0; i < n; ++i) {
-    const T a = g0[i] * i00;
-    const T b = (g1[i] - l10 * a) * i11;
-    g0[i] = a;
-    g1[i] = b;
-    d[i] += a * y0 + b * y1;
+  const T* e[kBatch] = {};
+  T f0[kBatch] = {};
+  T f1[kBatch] = {};
+  for (int r = 0; r < rank; ++r) {
+    e[r] = w_[r];
+    derived().relative_of(pair.slot, w_[r], relative);
+    f0[r] = pair.row(0, relative);
+    f1[r] = pair.row(1, relative);
+    s00 -= f0[r] * f0[r];
+    s01 -= f0[r] * f1[r];
+    s11 -= f1[r] * f1[r];
   }
-  nis += y0 * y0 + y1 * y1;
+  int count = rank;
+  if (derived().pending_column(pair, g0, g1, e + rank, f0[rank], f1[rank], s00, s01, s11)) ++count;
+
+  Whitening<T> k;
+  if (!(s00 > T(0))) return false;
+  k.i00 = T(1) / sqrt(s00);
+  k.l10 = s01 * k.i00;
+  const T rest = s11 - k.l10 * k.l10;
+  if (!(rest > T(0))) return false;
+  k.i11 = T(1) / sqrt(rest);
+  derived().relative_of(pair.slot, d_, relative);
+  k.y0 = (pair.innovation[0] - pair.row(0, relative)) * k.i00;
+  k.y1 = (pair.innovation[1] - pair.row(1, relative) - k.l10 * k.y0) * k.i11;
+  whiten_columns(g0, g1, d_, P_.size(), k, count, e, f0, f1);
+  nis += k.y0 * k.y0 + k.y1 * k.y1;
   return true;
 }
 
-/// g = P H^T of a pair.
+/// g = P H^T of a pair, without what is pending.
 CAIRN_PLANAR_TEMPLATE
 void CAIRN_PLANAR_FILTER::columns(const Pair& pair, T* g0, T* g1) {
   if (pair.direct) {

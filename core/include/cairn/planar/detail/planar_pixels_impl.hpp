@@ -90,6 +90,7 @@ int CAIRN_PLANAR_FILTER::hypothesis(const CameraView<T>& view, const PixelMatch<
   const int n = P_.size();
   const Pair& pair = pairs_[candidate];
   columns(pair, w_[0], w_[1]);
+  derived().add_pending_columns(pair, w_[0], w_[1]);
   T relative[3];
   derived().relative_of(pair.slot, w_[0], relative);
   InnovationCovariance<T> s;
