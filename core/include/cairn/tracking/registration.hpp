@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/geometry/camera.hpp"
+#include "cairn/geometry/rigid.hpp"
+#include "cairn/numeric/status.hpp"
+#include "cairn/tracking/line_drawing.hpp"
+#include "cairn/tracking/virtual_object.hpp"
+#include "cairn/vision/image.hpp"
+
+namespace cairn {
+
+struct DrawStyle {
+  std::uint8_t line_grey = 255;
+  std::uint8_t halo_grey = 0;
+  int line_width_q8 = 400;   ///< 1/256 px
+  int halo_width_q8 = 1000;  ///< drawn below all lines, so that they show on any ground; 0: none
+  float near_m = 0.1F;       ///< nothing nearer to the image plane is drawn
+};
+
+struct DrawReport {
+  int edges = 0;     ///< of faces that look at the camera
+  int cut = 0;       ///< of these, edges of which a part was hidden by another convex part
+  int segments = 0;  ///< straight pieces drawn, halos included
+  int pixels = 0;    ///< written
+};
+
+/// Pieces into which an edge is cut where the lens bends lines.
+inline constexpr int kLensPieces = 6;
+/// Most straight pieces that one pass (halos, lines) draws; further ones are left out.
+inline constexpr int kMaxSegments = 1536;
+
+/// Draws the wireframe of `object`, standing at T_world_object, as a camera at T_world_camera sees
+/// it, into an 8-bit image of the camera's size. Hidden lines are removed exactly: edges between
+/// two faces that look away are left out (back-face test), and from the others the intervals are
+/// cut that lie in the shadow of another part. The shadow of a convex part is itself an
+/// intersection of half-spaces (its front faces and the planes through the camera and its outline),
+/// so that an edge loses one interval a part (Cyrus and Beck 1978). What remains is clipped at the
+/// near plane, projected with the lens, clipped to the image and drawn in integers.
+///
+/// kInvalidArgument: the view is invalid or not of the camera's size. kNonFiniteInput: a pose is
+/// not finite. kOutOfView: nothing to draw. The image is unchanged unless kOk. Cost: at most
+/// kMaxParts * kMaxEdges edges, each against kMaxParts shadows of at most 32 planes, and
+/// kMaxSegments lines no longer than the image's diagonal, twice with a halo.
+Status draw_object(const VirtualObject& object, const Rigid<float>& T_world_object,
+                   const PinholeCamera<float>& camera, const Rigid<float>& T_world_camera,
+                   const DrawStyle& style, const MutableImageView& image, DrawReport& report);
+
+/// Jitter of registered points while the camera rests: rms distance of a point's pixels from their
+/// own mean (Welford 1962), over all points and frames. Plain value.
+template <int MaxPoints>
+class JitterStatistic {
+ public:
+  /// Pixel of point `index` in one more frame. An index outside [0, MaxPoints) or a pixel that is
+  /// not finite is ignored.
+  void add(int index, const Vector2<float>& pixel) {
+    if (index < 0 || index >= MaxPoints || !is_finite(pixel.x() + pixel.y())) return;
+    Track& t = tracks_[index];
+    ++t.count;
+    const Vector2<float> before = pixel - t.mean;
+    t.mean += before / static_cast<float>(t.count);
+    t.sum_squared += before.dot(Vector2<float>(pixel - t.mean));
+  }
+  /// Root mean square over all points seen at least twice, px; 0 when there is none.
+  float rms_px() const {
+    float sum = 0.0F;
+    int count = 0;
+    for (const Track& t : tracks_) {
+      if (t.count < 2) continue;
+      sum += t.sum_squared;
+      count += t.count;
+    }
+    return count > 0 ? sqrt(sum / static_cast<float>(count)) : 0.0F;
+  }
+  void clear() { *this = JitterStatistic(); }
+
+ private:
+  struct Track {
+    Vector2<float> mean = Vector2<float>::Zero();
+    float sum_squared = 0.0F;
+    int count = 0;
+  };
+  Track tracks_[MaxPoints];
+};
+
+}  // namespace cairn
