@@ -40,7 +40,7 @@ LiftedLandmark lift(const Pose& p, double x, double y) {
 
 /// The motion itself, in plain numbers: (4) to (6), and its exact-arc counterpart.
 Pose move(const Pose& p, const PlanarIncrement<double>& u) {
-  const double direction = p.heading + (u.model == MotionModel::kExactArc ? 0.5 * u.turn_rad : 0.0);
+  const double direction = p.heading + (u.model == IncrementModel::kExactArc ? 0.5 * u.turn_rad : 0.0);
   return {p.x + u.distance_m * std::cos(direction), p.y + u.distance_m * std::sin(direction),
           p.heading + u.turn_rad};
 }
@@ -60,7 +60,7 @@ void for_all(Check&& check) {
     PlanarIncrement<double> u;
     u.distance_m = 0.1 * place(generator);
     u.turn_rad = angle(generator);
-    u.model = k % 2 == 0 ? MotionModel::kEuler : MotionModel::kExactArc;
+    u.model = k % 2 == 0 ? IncrementModel::kEuler : IncrementModel::kExactArc;
     const double x = place(generator);
     check(pose, u, x, place(generator));
   }

@@ -17,7 +17,7 @@ using planar_test::WorldSettings;
 
 struct Case {
   bool moments;
-  MotionModel model;
+  IncrementModel model;
 };
 
 class LiftedFilter : public ::testing::TestWithParam<Case> {};
@@ -55,10 +55,10 @@ TEST_P(LiftedFilter, EqualsReducedFilter) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Noise, LiftedFilter,
-                         ::testing::Values(Case{false, MotionModel::kEuler},
-                                           Case{false, MotionModel::kExactArc},
-                                           Case{true, MotionModel::kEuler},
-                                           Case{true, MotionModel::kExactArc}));
+                         ::testing::Values(Case{false, IncrementModel::kEuler},
+                                           Case{false, IncrementModel::kExactArc},
+                                           Case{true, IncrementModel::kEuler},
+                                           Case{true, IncrementModel::kExactArc}));
 
 }  // namespace
 }  // namespace cairn

@@ -22,7 +22,7 @@ double largest(const Matrix& m) {
   return m.cwiseAbs().maxCoeff();
 }
 
-class PlanarReference : public ::testing::TestWithParam<MotionModel> {
+class PlanarReference : public ::testing::TestWithParam<IncrementModel> {
  protected:
   Drive drive() const {
     WorldSettings s;
@@ -84,7 +84,7 @@ TEST_P(PlanarReference, GroupEqualsDenseRightInvariantEkf) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, PlanarReference,
-                         ::testing::Values(MotionModel::kEuler, MotionModel::kExactArc));
+                         ::testing::Values(IncrementModel::kEuler, IncrementModel::kExactArc));
 
 TEST(GroupIekfSlam, FloatStaysWithinAMillimetreOfDouble) {
   const Drive d = make_drive(11);

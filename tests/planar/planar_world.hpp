@@ -27,7 +27,7 @@ struct WorldSettings {
   double range_m = 6.0;
   double position_variance = 1.0;
   double heading_variance = 0.001;
-  MotionModel model = MotionModel::kEuler;
+  IncrementModel model = IncrementModel::kEuler;
 };
 
 struct Sighting {
@@ -89,8 +89,9 @@ inline Drive make_drive(unsigned seed, const WorldSettings& s = WorldSettings{})
     const double phase = 2.0 * M_PI * (k + 0.5) / s.steps_per_loop;
     const double turn = turn_rate * s.dt_s * (1.0 + 0.6 * std::cos(4.0 * phase));
     const double phi = std::atan(turn * s.wheelbase_m / (s.dt_s * s.speed));
-    const bool arc = s.model == MotionModel::kExactArc;
-    const double distance = s.dt_s * s.speed * (arc ? std::sin(0.5 * turn) / (0.5 * turn) : 1.0);
+    const bool arc = s.model == IncrementModel::kExactArc;
+    const double distance =
+        s.dt_s * s.speed * (arc ? std::sin(0.5 * turn) / (0.5 * turn) : 1.0);
     const double direction = x(2) + (arc ? 0.5 * turn : 0.0);
     x(0) += distance * std::cos(direction);
     x(1) += distance * std::sin(direction);

@@ -86,12 +86,12 @@ class ReducedLifted {
   }
 
   /// z' = A z + b of one increment.
-  void affine(double distance, double turn, MotionModel model, Eigen::MatrixXd& A,
+  void affine(double distance, double turn, IncrementModel model, Eigen::MatrixXd& A,
               Eigen::VectorXd& b) const {
     const int n = static_cast<int>(z_.size());
     A = Eigen::MatrixXd::Identity(n, n);
     b = Eigen::VectorXd::Zero(n);
-    const double half = model == MotionModel::kExactArc ? 0.5 * turn : 0.0;
+    const double half = model == IncrementModel::kExactArc ? 0.5 * turn : 0.0;
     const Eigen::Vector2d u(distance * std::cos(half), distance * std::sin(half));
     A(0, 3) = u(0);
     A(0, 2) = -u(1);

@@ -11,13 +11,13 @@ constexpr T kLargestSteering = T(1.4);
 /// Turns (v, omega) noise into (distance, turn) noise; for the exact arc the distance becomes that
 /// of the chord, d sin(a/2) / (a/2), and its noise follows.
 template <class T>
-PlanarIncrement<T> finish(T distance, T turn, const Matrix2<T>& covariance, MotionModel model) {
+PlanarIncrement<T> finish(T distance, T turn, const Matrix2<T>& covariance, IncrementModel model) {
   PlanarIncrement<T> increment;
   increment.distance_m = distance;
   increment.turn_rad = turn;
   increment.covariance = covariance;
   increment.model = model;
-  if (model == MotionModel::kEuler) return increment;
+  if (model == IncrementModel::kEuler) return increment;
 
   const T half = T(0.5) * turn;
   T ratio = T(1) - half * half / T(6);
@@ -45,7 +45,7 @@ PlanarIncrement<T> finish(T distance, T turn, const Matrix2<T>& covariance, Moti
 
 template <class T>
 PlanarIncrement<T> ackermann_increment(T v, T phi, T dt, T wheelbase, T sigma_v, T sigma_phi,
-                                       MotionModel model) {
+                                       IncrementModel model) {
   PlanarIncrement<T> refused;
   refused.covariance(0, 0) = T(-1);
   if (!(abs(phi) <= kLargestSteering<T>) || !(wheelbase > T(0)) || !(dt >= T(0))) return refused;
@@ -71,7 +71,7 @@ PlanarIncrement<T> ackermann_increment(T v, T phi, T dt, T wheelbase, T sigma_v,
 
 template <class T>
 PlanarIncrement<T> twist_increment(T v, T omega, T dt, T sigma_v, T sigma_omega,
-                                   MotionModel model) {
+                                   IncrementModel model) {
   PlanarIncrement<T> refused;
   refused.covariance(0, 0) = T(-1);
   if (!(dt >= T(0))) return refused;
@@ -86,7 +86,7 @@ Displacement<T> displacement(const PlanarIncrement<T>& increment) {
   Displacement<T> d;
   T sine = T(0);
   T cosine = T(1);
-  const bool arc = increment.model == MotionModel::kExactArc;
+  const bool arc = increment.model == IncrementModel::kExactArc;
   if (arc) sin_cos(T(0.5) * increment.turn_rad, sine, cosine);
   d.by_distance = {cosine, sine};
   d.u = {increment.distance_m * cosine, increment.distance_m * sine};
@@ -113,8 +113,8 @@ Status validate(const PlanarIncrement<T>& increment) {
 }
 
 #define CAIRN_INSTANTIATE(T)                                                      \
-  template PlanarIncrement<T> ackermann_increment(T, T, T, T, T, T, MotionModel); \
-  template PlanarIncrement<T> twist_increment(T, T, T, T, T, MotionModel);        \
+  template PlanarIncrement<T> ackermann_increment(T, T, T, T, T, T, IncrementModel); \
+  template PlanarIncrement<T> twist_increment(T, T, T, T, T, IncrementModel);        \
   template Displacement<T> displacement(const PlanarIncrement<T>&);               \
   template Status validate(const PlanarIncrement<T>&);
 CAIRN_INSTANTIATE(float)

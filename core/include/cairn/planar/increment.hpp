@@ -8,7 +8,7 @@
 namespace cairn {
 
 /// How an odometry increment moves the vehicle.
-enum class MotionModel : std::uint8_t {
+enum class IncrementModel : std::uint8_t {
   kEuler,     ///< paper A, (4) and (6): straight along the old heading, then turn
   kExactArc,  ///< along the chord of the arc, at half of the turn
 };
@@ -22,7 +22,7 @@ struct PlanarIncrement {
   T distance_m = T(0);
   T turn_rad = T(0);
   Matrix2<T> covariance = Matrix2<T>::Zero();  ///< of (distance, turn)
-  MotionModel model = MotionModel::kEuler;
+  IncrementModel model = IncrementModel::kEuler;
 };
 
 /// Increment of an Ackermann (car-like) vehicle, paper A (3) to (6): distance v dt, turn
@@ -31,12 +31,12 @@ struct PlanarIncrement {
 /// 0, sigmas >= 0; outside of it predict() refuses the increment.
 template <class T>
 PlanarIncrement<T> ackermann_increment(T v, T phi, T dt, T wheelbase, T sigma_v, T sigma_phi,
-                                       MotionModel model = MotionModel::kEuler);
+                                       IncrementModel model = IncrementModel::kEuler);
 
 /// Increment of a vehicle with speed v (m/s) and turn rate omega (rad/s) held for dt.
 template <class T>
 PlanarIncrement<T> twist_increment(T v, T omega, T dt, T sigma_v, T sigma_omega,
-                                   MotionModel model = MotionModel::kEuler);
+                                   IncrementModel model = IncrementModel::kEuler);
 
 /// Displacement of an increment in the old vehicle frame and its derivatives.
 template <class T>

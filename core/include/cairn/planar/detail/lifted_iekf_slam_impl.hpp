@@ -221,7 +221,7 @@ CAIRN_LIFTED_TEMPLATE
 void CAIRN_LIFTED::propagate_moments(const PlanarIncrement<T>& increment) {
   using Mono = detail::TrigMonomial<T>;
   // In the half angle, so that the chord of the exact arc is a monomial too.
-  const bool arc = increment.model == MotionModel::kExactArc;
+  const bool arc = increment.model == IncrementModel::kExactArc;
   const Mono s = Mono::sine(2);
   const Mono c = Mono::cosine(2);
   const Mono ux = (arc ? Mono::cosine(1) : Mono::constant()).of(1);
