@@ -28,8 +28,8 @@ struct MonoParameters {
 
   /// Random walk of the velocity, m/s per sqrt(s), and of the rate, rad/s per sqrt(s). Too small a
   /// rate noise is the commonest cause of divergence; too large costs a wider search.
-  T velocity_noise = T(0.9);
-  T rate_noise = T(1.5);
+  T velocity_noise = T(0.5);
+  T rate_noise = T(1);
   T initial_velocity_sigma_mps = T(0.6);
   T initial_rate_sigma_radps = T(0.6);
   /// Longest time step of predict().

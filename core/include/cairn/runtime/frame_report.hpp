@@ -20,8 +20,8 @@ struct OdometrySample {
 
 enum class TrackingState : std::uint8_t { kInitialising, kTracking, kUncertain, kLost };
 
-/// What one frame gave. The pose is the camera's in the world; in handheld mode the world is the first
-/// camera and its scale is the filter's own.
+/// What one frame gave. The pose is the camera's in the world; in handheld mode the world is the
+/// first camera and its scale is the filter's own.
 struct FrameReport {
   std::int64_t t_us = 0;
   Status status = Status::kNotInitialised;

@@ -1,0 +1,203 @@
+#pragma once
+
+namespace cairn {
+
+template <class Config>
+Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
+                                           const Parameters& parameters) {
+  Status status = camera.validate();
+  if (!ok(status)) return status;
+  if (camera.width > Config::kMaxImageWidth || camera.height > Config::kMaxImageHeight) {
+    return Status::kBadConfig;
+  }
+  status = filter_.initialise(camera, parameters.filter);
+  if (!ok(status)) return status;
+  camera_ = camera;
+  parameters_ = parameters;
+  table_.clear();
+  supply_ = Supply{};
+  random_ = Random(parameters.seed);
+  health_ = Health{};
+  state_ = TrackingState::kInitialising;
+  initialised_ = true;
+  has_frame_ = false;
+  next_id_ = 1;
+  weak_frames_ = 0;
+  return Status::kOk;
+}
+
+template <class Config>
+Status HandheldTracker<Config>::check_input(const ImageView& image, std::int64_t t_us) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!image.valid() || image.width != camera_.width || image.height != camera_.height) {
+    return Status::kInvalidArgument;
+  }
+  if (has_frame_ && t_us <= last_t_us_) {
+    ++health_.time_errors;
+    return t_us == last_t_us_ ? Status::kDuplicate : Status::kTimeBackwards;
+  }
+  return Status::kOk;
+}
+
+template <class Config>
+Status HandheldTracker<Config>::predict(std::int64_t t_us) {
+  if (!has_frame_) return Status::kOk;
+  std::int64_t step_us = t_us - last_t_us_;
+  Status status = Status::kOk;
+  if (step_us > parameters_.max_step_us) {
+    ++health_.time_errors;
+    step_us = parameters_.max_step_us;
+    status = Status::kTimeGap;
+  }
+  const Status predicted = filter_.predict(static_cast<float>(step_us) * 1e-6F);
+  return ok(predicted) ? status : predicted;
+}
+
+template <class Config>
+Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64_t t_us,
+                                              const TickSource& ticks, FrameReport& report) {
+  const Status accepted = check_input(image, t_us);
+  if (!ok(accepted)) return accepted;
+  report = FrameReport{};
+  report.t_us = t_us;
+  const std::uint32_t start = ticks.now();
+  supply_.begin(image.width, image.height);
+  const std::uint32_t prepared = ticks.now();
+
+  report.status = predict(t_us);
+  last_t_us_ = t_us;
+  has_frame_ = true;
+  const std::uint32_t predicted = ticks.now();
+
+  FixedVector<PixelMatch<float>, kMaxFeatures> matches;
+  SearchTotals totals;
+  search_landmarks(image, View{filter_}, table_, parameters_.search, parameters_.max_searches,
+                   scratch_.search, matches, totals);
+  report.corners = totals.corners;
+  report.candidates = totals.descriptors;
+  report.searched = totals.searched;
+  report.matches = matches.size();
+  health_.searches_deferred += static_cast<std::uint32_t>(totals.deferred);
+  health_.corners_dropped += static_cast<std::uint32_t>(totals.corners_dropped);
+  const std::uint32_t searched = ticks.now();
+
+  update(matches, report);
+  remove_features(report);
+  add_features(image, report);
+  judge(report);
+  report.T_world_camera = filter_.T_world_camera();
+  report.landmarks = filter_.feature_count();
+  const std::uint32_t updated = ticks.now();
+
+  report.stage_ticks[static_cast<int>(Stage::kPreprocess)] = prepared - start;
+  report.stage_ticks[static_cast<int>(Stage::kPosePrediction)] = predicted - prepared;
+  report.stage_ticks[static_cast<int>(Stage::kFeatures)] = searched - predicted;
+  report.stage_ticks[static_cast<int>(Stage::kPoseUpdate)] = updated - searched;
+  return report.status;
+}
+
+template <class Config>
+void HandheldTracker<Config>::update(FixedVector<PixelMatch<float>, kMaxFeatures>& matches,
+                                     FrameReport& report) {
+  const Status status = filter_.update(matches.data(), matches.size(), random_, report.update);
+  if (!ok(status)) {
+    if (!matches.empty() && ok(report.status)) report.status = status;
+    return;
+  }
+  for (const PixelMatch<float>& match : matches) {
+    if (!match.inlier) continue;
+    ++report.inliers;
+    TrackedLandmark* landmark = table_.find(match.id);
+    if (landmark == nullptr) continue;
+    ++landmark->measured;
+    landmark->misses = 0;
+  }
+}
+
+template <class Config>
+void HandheldTracker<Config>::remove_features(FrameReport& report) {
+  for (int slot = filter_.feature_count() - 1; slot >= 0; --slot) {
+    const LandmarkId id = filter_.feature_id(slot);
+    const TrackedLandmark* landmark = table_.find(id);
+    const bool unknown = landmark == nullptr;
+    const bool poor =
+        !unknown && landmark->predicted >= 5 && 2 * landmark->measured < landmark->predicted;
+    const bool gone = !unknown && (landmark->frames_out_of_view > 10 || landmark->misses > 10);
+    if (!unknown && !poor && !gone) continue;
+    if (!ok(filter_.remove_feature(slot))) continue;
+    table_.remove(id);
+    ++report.removed;
+    ++health_.landmarks_removed;
+  }
+}
+
+template <class Config>
+void HandheldTracker<Config>::add_features(const ImageView& image, FrameReport& report) {
+  for (int slot = 0; slot < filter_.feature_count(); ++slot) {
+    PixelPrediction<float> prediction;
+    if (ok(filter_.predict_feature(slot, prediction))) {
+      supply_.occupy(prediction.pixel.x(), prediction.pixel.y());
+    }
+  }
+  const int room = parameters_.target_features - filter_.feature_count();
+  const int limit =
+      room < parameters_.max_births_per_frame ? room : parameters_.max_births_per_frame;
+  if (limit <= 0) return;
+  Corner corners[Supply::kCells];
+  typename Supply::Report supplied;
+  const int found =
+      supply_.find(image, parameters_.supply, limit, scratch_.supply, corners, supplied);
+  report.corners += supplied.corners;
+  health_.corners_dropped += static_cast<std::uint32_t>(supplied.corners_dropped);
+  const Rigid<float> T_world_camera = filter_.T_world_camera();
+  for (int i = 0; i < found; ++i) {
+    TrackedLandmark landmark;
+    landmark.id = next_id_;
+    if (!ok(make_appearance(image, corners[i].x, corners[i].y, T_world_camera,
+                            landmark.appearance))) {
+      continue;
+    }
+    const Vector2<float> pixel(static_cast<float>(corners[i].x), static_cast<float>(corners[i].y));
+    if (!ok(filter_.add_feature(landmark.id, pixel))) {
+      ++health_.landmarks_refused;
+      continue;
+    }
+    table_.add(landmark);
+    ++next_id_;
+    ++report.added;
+    ++health_.landmarks_added;
+  }
+}
+
+template <class Config>
+void HandheldTracker<Config>::judge(FrameReport& report) {
+  if (report.inliers >= parameters_.min_inliers) {
+    weak_frames_ = 0;
+    state_ = TrackingState::kTracking;
+  } else if (state_ != TrackingState::kInitialising) {
+    ++weak_frames_;
+    const bool lost = weak_frames_ > parameters_.uncertain_frames_to_lost;
+    if (lost && state_ != TrackingState::kLost) ++health_.losses;
+    state_ = lost ? TrackingState::kLost : TrackingState::kUncertain;
+  }
+  if (report.searched > 0 && report.matches < parameters_.min_inliers) {
+    ++health_.low_texture_frames;
+    if (ok(report.status)) report.status = Status::kLowTexture;
+  }
+  if (state_ == TrackingState::kLost) report.status = Status::kLost;
+  report.state = state_;
+}
+
+template <class Config>
+void HandheldTracker<Config>::hash(Hash64& hash) const {
+  filter_.hash(hash);
+  hash.add(static_cast<std::uint8_t>(state_));
+  hash.add(health_.landmarks_added);
+  hash.add(health_.landmarks_removed);
+  for (const TrackedLandmark& landmark : table_) {
+    hash.add(landmark.id);
+    hash.add_bytes(landmark.appearance.descriptor.bytes, Descriptor::kBytes);
+  }
+}
+
+}  // namespace cairn

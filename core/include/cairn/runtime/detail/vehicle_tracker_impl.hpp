@@ -1,0 +1,272 @@
+#pragma once
+
+namespace cairn {
+
+template <class Config, class Filter>
+Status VehicleTracker<Config, Filter>::initialise(const PinholeCamera<float>& camera,
+                                                  const Rigid<float>& T_vehicle_camera,
+                                                  const Start& start,
+                                                  const Parameters& parameters) {
+  Status status = camera.validate();
+  if (!ok(status)) return status;
+  if (camera.width > Config::kMaxImageWidth || camera.height > Config::kMaxImageHeight) {
+    return Status::kBadConfig;
+  }
+  status = filter_.initialise(start.pose, start.covariance, parameters.filter);
+  if (!ok(status)) return status;
+  camera_ = camera;
+  T_vehicle_camera_ = T_vehicle_camera;
+  parameters_ = parameters;
+  table_.clear();
+  pool_.clear();
+  supply_ = Supply{};
+  random_ = Random(parameters.seed);
+  health_ = Health{};
+  state_ = TrackingState::kInitialising;
+  initialised_ = true;
+  has_frame_ = false;
+  has_motion_ = false;
+  time_us_ = start.t_us;
+  next_id_ = 1;
+  weak_frames_ = 0;
+  return Status::kOk;
+}
+
+template <class Config, class Filter>
+Rigid<float> VehicleTracker<Config, Filter>::T_world_camera() const {
+  const PlanarPose<float> pose = filter_.pose();
+  float sine = 0.0F;
+  float cosine = 1.0F;
+  sin_cos(0.5F * pose.heading, sine, cosine);
+  const Rigid<float> T_world_vehicle{{cosine, 0.0F, 0.0F, sine},
+                                     {pose.position.x(), pose.position.y(), 0.0F}};
+  return T_world_vehicle * T_vehicle_camera_;
+}
+
+template <class Config, class Filter>
+Status VehicleTracker<Config, Filter>::add_odometry(const OdometrySample& sample) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!is_finite(sample.speed_mps) || !is_finite(sample.turn)) {
+    ++health_.non_finite_inputs;
+    return Status::kNonFiniteInput;
+  }
+  if (sample.t_us < time_us_ && has_motion_ && sample.t_us <= motion_.t_us) {
+    ++health_.time_errors;
+    return Status::kTimeBackwards;
+  }
+  motion_ = sample;
+  has_motion_ = true;
+  // A frame may have taken the pose beyond this sample already: the sample then counts from there.
+  return sample.t_us > time_us_ ? integrate_to(sample.t_us) : Status::kOk;
+}
+
+template <class Config, class Filter>
+Status VehicleTracker<Config, Filter>::integrate_to(std::int64_t t_us) {
+  const std::int64_t step_us = t_us - time_us_;
+  if (step_us <= 0) return Status::kOk;
+  time_us_ = t_us;
+  if (!has_motion_) return Status::kOk;
+  if (step_us > parameters_.max_step_us) {
+    ++health_.time_errors;
+    return Status::kTimeGap;
+  }
+  const OdometryNoise& noise = parameters_.odometry;
+  const float dt = static_cast<float>(step_us) * 1e-6F;
+  // The sample's noise is stated per sample_period: cut into shorter steps its sum must stay the
+  // same.
+  const float scale = sqrt(noise.sample_period_s / dt);
+  const PlanarIncrement<float> increment =
+      motion_.kind == OdometrySample::Kind::kAckermann
+          ? ackermann_increment(motion_.speed_mps, motion_.turn, dt, noise.wheelbase_m,
+                                noise.sigma_speed_mps * scale, noise.sigma_turn * scale)
+          : twist_increment(motion_.speed_mps, motion_.turn, dt, noise.sigma_speed_mps * scale,
+                            noise.sigma_turn * scale);
+  return filter_.predict(increment);
+}
+
+template <class Config, class Filter>
+Status VehicleTracker<Config, Filter>::check_input(const ImageView& image, std::int64_t t_us) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!image.valid() || image.width != camera_.width || image.height != camera_.height) {
+    return Status::kInvalidArgument;
+  }
+  if (has_frame_ && t_us <= last_frame_us_) {
+    ++health_.time_errors;
+    return t_us == last_frame_us_ ? Status::kDuplicate : Status::kTimeBackwards;
+  }
+  return Status::kOk;
+}
+
+template <class Config, class Filter>
+Status VehicleTracker<Config, Filter>::process_frame(const ImageView& image, std::int64_t t_us,
+                                                     const TickSource& ticks, FrameReport& report) {
+  const Status accepted = check_input(image, t_us);
+  if (!ok(accepted)) return accepted;
+  report = FrameReport{};
+  report.t_us = t_us;
+  const std::uint32_t start = ticks.now();
+  supply_.begin(image.width, image.height);
+  const std::uint32_t prepared = ticks.now();
+
+  report.status = integrate_to(t_us);
+  last_frame_us_ = t_us;
+  has_frame_ = true;
+  const std::uint32_t predicted = ticks.now();
+
+  FixedVector<PixelMatch<float>, kMaxLandmarks> matches;
+  SearchTotals totals;
+  search_landmarks(image, View{*this}, table_, parameters_.search, parameters_.max_searches,
+                   scratch_.search, matches, totals);
+  report.corners = totals.corners;
+  report.candidates = totals.descriptors;
+  report.searched = totals.searched;
+  report.matches = matches.size();
+  health_.searches_deferred += static_cast<std::uint32_t>(totals.deferred);
+  health_.corners_dropped += static_cast<std::uint32_t>(totals.corners_dropped);
+  const std::uint32_t searched = ticks.now();
+
+  update(matches, report);
+  remove_landmarks(report);
+  build_map(image, report);
+  judge(report);
+  report.T_world_camera = T_world_camera();
+  report.landmarks = filter_.landmark_count();
+  const std::uint32_t updated = ticks.now();
+
+  report.stage_ticks[static_cast<int>(Stage::kPreprocess)] = prepared - start;
+  report.stage_ticks[static_cast<int>(Stage::kPosePrediction)] = predicted - prepared;
+  report.stage_ticks[static_cast<int>(Stage::kFeatures)] = searched - predicted;
+  report.stage_ticks[static_cast<int>(Stage::kPoseUpdate)] = updated - searched;
+  return report.status;
+}
+
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches,
+                                            FrameReport& report) {
+  if (matches.empty()) return;
+  const Status status =
+      filter_.update_pixels(camera_, T_vehicle_camera_, parameters_.sigma_px, matches.data(),
+                            matches.size(), random_, report.update);
+  if (!ok(status)) {
+    if (ok(report.status)) report.status = status;
+    return;
+  }
+  for (const PixelMatch<float>& match : matches) {
+    if (!match.inlier) continue;
+    ++report.inliers;
+    TrackedLandmark* landmark = table_.find(match.id);
+    if (landmark == nullptr) continue;
+    ++landmark->measured;
+    landmark->misses = 0;
+  }
+}
+
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::remove_landmarks(FrameReport& report) {
+  for (int slot = filter_.landmark_count() - 1; slot >= 0; --slot) {
+    const LandmarkId id = filter_.landmark_id(slot);
+    const TrackedLandmark* landmark = table_.find(id);
+    const bool unknown = landmark == nullptr;
+    const bool poor =
+        !unknown && landmark->predicted >= 8 && 2 * landmark->measured < landmark->predicted;
+    if (!unknown && !poor) continue;
+    if (!ok(filter_.remove_landmark(slot))) continue;
+    table_.remove(id);
+    ++report.removed;
+    ++health_.landmarks_removed;
+  }
+}
+
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::build_map(const ImageView& image, FrameReport& report) {
+  const Rigid<float> T_world_camera_now = T_world_camera();
+  const int dropped = pool_.follow(image, camera_, T_world_camera_now, parameters_.pool);
+  health_.candidates_dropped += static_cast<std::uint32_t>(dropped);
+  promote_candidates(report);
+
+  int in_view = pool_.size();
+  for (int i = 0; i < pool_.size(); ++i) supply_.occupy(pool_[i].pixel.x(), pool_[i].pixel.y());
+  for (int slot = 0; slot < filter_.landmark_count(); ++slot) {
+    PixelPrediction<float> prediction;
+    if (!ok(View{*this}.predict(slot, prediction)) || !camera_.contains(prediction.pixel)) continue;
+    supply_.occupy(prediction.pixel.x(), prediction.pixel.y());
+    ++in_view;
+  }
+  const int room = parameters_.target_in_view - in_view;
+  const int limit =
+      room < parameters_.max_births_per_frame ? room : parameters_.max_births_per_frame;
+  if (limit <= 0 || pool_.full()) return;
+  Corner corners[Supply::kCells];
+  typename Supply::Report supplied;
+  const int found =
+      supply_.find(image, parameters_.supply, limit, scratch_.supply, corners, supplied);
+  report.corners += supplied.corners;
+  health_.corners_dropped += static_cast<std::uint32_t>(supplied.corners_dropped);
+  for (int i = 0; i < found; ++i) {
+    const Status status =
+        pool_.add(image, camera_, T_world_camera_now, corners[i].x, corners[i].y, parameters_.pool);
+    if (status == Status::kFull) break;
+  }
+}
+
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::promote_candidates(FrameReport& report) {
+  for (int i = 0; i < parameters_.max_promotions_per_frame; ++i) {
+    Promotion promotion;
+    if (!pool_.promote(camera_, T_world_camera(), parameters_.pool, promotion)) return;
+    const Matrix3<float> R_vehicle_camera = T_vehicle_camera_.rotation.toRotationMatrix();
+    const Matrix3<float> turned = R_vehicle_camera * promotion.covariance;
+    const Matrix3<float> covariance = turned * R_vehicle_camera.transpose();
+    const Vector3<float> p_vehicle = T_vehicle_camera_ * promotion.p_camera;
+    TrackedLandmark landmark;
+    landmark.id = next_id_;
+    landmark.appearance = promotion.appearance;
+    LandmarkId replaced = kNoLandmark;
+    if (!ok(filter_.add_landmark(landmark.id, p_vehicle, covariance, &replaced))) {
+      ++health_.landmarks_refused;
+      continue;
+    }
+    ++next_id_;
+    if (replaced != kNoLandmark) {
+      table_.remove(replaced);
+      ++health_.landmarks_replaced;
+    }
+    table_.add(landmark);
+    ++report.added;
+    ++health_.landmarks_added;
+  }
+}
+
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::judge(FrameReport& report) {
+  if (report.inliers >= parameters_.min_inliers) {
+    weak_frames_ = 0;
+    state_ = TrackingState::kTracking;
+  } else if (state_ != TrackingState::kInitialising) {
+    ++weak_frames_;
+    const bool lost = weak_frames_ > parameters_.uncertain_frames_to_lost;
+    if (lost && state_ != TrackingState::kLost) ++health_.losses;
+    state_ = lost ? TrackingState::kLost : TrackingState::kUncertain;
+  }
+  if (report.searched > 0 && report.matches < parameters_.min_inliers) {
+    ++health_.low_texture_frames;
+    if (ok(report.status)) report.status = Status::kLowTexture;
+  }
+  if (state_ == TrackingState::kLost) report.status = Status::kLost;
+  report.state = state_;
+}
+
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::hash(Hash64& hash) const {
+  filter_.hash(hash);
+  hash.add(static_cast<std::uint8_t>(state_));
+  hash.add(health_.landmarks_added);
+  hash.add(health_.landmarks_removed);
+  hash.add(static_cast<std::int32_t>(pool_.size()));
+  for (const TrackedLandmark& landmark : table_) {
+    hash.add(landmark.id);
+    hash.add_bytes(landmark.appearance.descriptor.bytes, Descriptor::kBytes);
+  }
+}
+
+}  // namespace cairn

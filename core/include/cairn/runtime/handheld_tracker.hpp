@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/mono/mono_ekf.hpp"
+#include "cairn/numeric/hash.hpp"
+#include "cairn/numeric/health.hpp"
+#include "cairn/numeric/random.hpp"
+#include "cairn/runtime/config.hpp"
+#include "cairn/runtime/frame_report.hpp"
+#include "cairn/tracking/feature_supply.hpp"
+#include "cairn/tracking/landmark_search.hpp"
+
+namespace cairn {
+
+/// Camera tracking from video alone (paper B): MonoEkf behind the vision front end. The world is
+/// the camera of the first frame; lengths are in the filter's own unit (its initial inverse depth
+/// is 1 / unit).
+///
+/// All storage is inside; the caller decides where an instance lies. One frame costs at most
+/// `max_searches` landmark searches, one filter update of as many matches, and `cells_per_frame`
+/// cells of corner detection.
+template <class Config>
+class HandheldTracker {
+ public:
+  static constexpr int kMaxFeatures = Config::kMaxFeatures;
+  using Filter = MonoEkf<float, kMaxFeatures>;
+  using Supply = FeatureSupply<Config::kMaxImageWidth>;
+
+  struct Parameters {
+    typename Filter::Parameters filter;
+    SearchParameters search;
+    typename Supply::Parameters supply;
+    int target_features = kMaxFeatures;  ///< kept measured per frame
+    int max_births_per_frame = 6;
+    int max_searches = kMaxFeatures;
+    int min_inliers = 6;  ///< fewer: uncertain
+    int uncertain_frames_to_lost = 20;
+    std::int64_t max_step_us = 500000;  ///< a longer gap is not integrated
+    std::uint64_t seed = 1;
+  };
+
+  /// Starts anew. kBadConfig for an impossible camera or parameters; the tracker is then unchanged.
+  Status initialise(const PinholeCamera<float>& camera, const Parameters& parameters);
+
+  /// Tracks one frame. kInvalidArgument (wrong size), kDuplicate, kTimeBackwards: frame refused,
+  /// tracker unchanged but for its counters. Otherwise report.status is kOk, kLowTexture,
+  /// kNoConsensus, kTimeGap or kLost, and the pose is the filter's best.
+  Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
+                       FrameReport& report);
+
+  const Filter& filter() const { return filter_; }
+  const PinholeCamera<float>& camera() const { return camera_; }
+  const Health& health() const { return health_; }
+  TrackingState state() const { return state_; }
+  void hash(Hash64& hash) const;
+
+ private:
+  /// What search_landmarks asks of a filter.
+  struct View {
+    const Filter& filter;
+    int size() const { return filter.feature_count(); }
+    LandmarkId id(int slot) const { return filter.feature_id(slot); }
+    Status predict(int slot, PixelPrediction<float>& p) const {
+      return filter.predict_feature(slot, p);
+    }
+    PinholeCamera<float> camera() const { return filter.camera(); }
+    Rigid<float> T_world_camera() const { return filter.T_world_camera(); }
+  };
+
+  Status check_input(const ImageView& image, std::int64_t t_us);
+  Status predict(std::int64_t t_us);
+  void update(FixedVector<PixelMatch<float>, kMaxFeatures>& matches, FrameReport& report);
+  void remove_features(FrameReport& report);
+  void add_features(const ImageView& image, FrameReport& report);
+  void judge(FrameReport& report);
+
+  PinholeCamera<float> camera_;
+  Parameters parameters_;
+  Filter filter_;
+  LandmarkTable<kMaxFeatures> table_;
+  Supply supply_;
+  union Scratch {
+    SearchScratch search;
+    typename Supply::Scratch supply;
+  } scratch_;
+  Random random_;
+  Health health_;
+  TrackingState state_ = TrackingState::kInitialising;
+  bool initialised_ = false;
+  bool has_frame_ = false;
+  std::int64_t last_t_us_ = 0;
+  LandmarkId next_id_ = 1;
+  int weak_frames_ = 0;
+};
+
+}  // namespace cairn
+
+#include "cairn/runtime/detail/handheld_tracker_impl.hpp"

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "cairn/numeric/status.hpp"
+#include "cairn/tracking/appearance.hpp"
+#include "cairn/vision/fast.hpp"
+
+namespace cairn {
+
+/// Limits and thresholds of the search for one landmark. All counts are bounds on work.
+struct SearchParameters {
+  static constexpr int kMaxCorners = 8;      ///< corners described in a window
+  static constexpr int kMaxHalfWindow = 24;  ///< px
+  int fast_threshold = 20;
+  int max_distance = 140;         ///< largest Hamming distance of a match
+  int ratio_percent = 90;         ///< best <= ratio * second best, unless both are the same corner
+  int min_correlation_q10 = 717;  ///< zero-mean NCC after alignment, 0.70
+  int min_direct_correlation_q10 = 819;  ///< same without a descriptor match, 0.80
+  float direct_half_window_px = 4.0F;    ///< windows up to this size may skip the descriptor
+  float gate = 9.21F;                    ///< chi-square, 2 degrees of freedom, 99 %
+};
+
+/// What a search cost and found.
+struct SearchReport {
+  int corners = 0;
+  int descriptors = 0;
+  int corners_dropped = 0;
+  int distance = 512;
+  int correlation_q10 = 0;
+  bool by_descriptor = false;
+};
+
+/// Widest window row, plus the border FAST needs.
+using SearchScratch = FastScratch<2 * SearchParameters::kMaxHalfWindow + 8>;
+
+/// Looks for one landmark in its 99 % window: FAST inside the window, corners inside the ellipse
+/// described at the predicted roll and scale, best Hamming match, then sub-pixel alignment of its
+/// patch. When no corner matches and the window is small, the patch is aligned from the predicted
+/// pixel instead. Paper A, steps 2.3 and 2.4. kOutOfView: window outside the image; kNotFound:
+/// nothing matched. Cost: one FAST window of (2 * kMaxHalfWindow + 1)^2 px, kMaxCorners
+/// descriptors, one alignment.
+Status search_landmark(const ImageView& image, const PixelPrediction<float>& prediction,
+                       const Appearance& appearance, const Matrix2<float>& warp,
+                       const SearchParameters& parameters, SearchScratch& scratch,
+                       Vector2<float>& pixel, SearchReport& report);
+
+}  // namespace cairn

@@ -1,0 +1,131 @@
+#pragma once
+
+#include "cairn/numeric/fixed_vector.hpp"
+#include "cairn/vision/fast.hpp"
+#include "cairn/vision/image.hpp"
+
+namespace cairn {
+
+/// Proposes corners for new landmarks, spread evenly over the image: a grid of cells, of which
+/// those without a landmark are searched in turn, a fixed number per frame, going on where the last
+/// frame stopped. `MaxImageWidth` bounds the width of a cell.
+template <int MaxImageWidth>
+class FeatureSupply {
+ public:
+  static constexpr int kColumns = 8;
+  static constexpr int kRows = 6;
+  static constexpr int kCells = kColumns * kRows;
+  static constexpr int kMaxCellWidth = MaxImageWidth / kColumns + 1;
+  static constexpr int kCornersPerCell = 6;
+  static constexpr int kMaxOccupied = 192;
+  using Scratch = FastScratch<kMaxCellWidth>;
+
+  struct Parameters {
+    int fast_threshold = 20;
+    int min_score = 25;
+    int min_distance_px = 14;  ///< to the nearest known landmark
+    int cells_per_frame = 12;  ///< searched at most
+    int margin_px = 40;        ///< to the image border
+  };
+  struct Report {
+    int cells_searched = 0;
+    int corners = 0;
+    int corners_dropped = 0;
+  };
+
+  /// Starts a frame: forgets which places are taken.
+  void begin(int width, int height) {
+    cell_width_ = (width + kColumns - 1) / kColumns;
+    cell_height_ = (height + kRows - 1) / kRows;
+    for (int& count : counts_) count = 0;
+    occupied_.clear();
+  }
+
+  /// A landmark or candidate stands at this pixel.
+  void occupy(float u, float v) {
+    const Place place{static_cast<int>(u), static_cast<int>(v)};
+    const int cell = cell_of(place.x, place.y);
+    if (cell < 0) return;
+    ++counts_[cell];
+    occupied_.push_back(place);
+  }
+
+  /// Up to `wanted` corners of empty cells into `corners`; returns how many.
+  /// Cost: cells_per_frame FAST windows of one cell.
+  int find(const ImageView& image, const Parameters& parameters, int wanted, Scratch& scratch,
+           Corner* corners, Report& report) {
+    int found = 0;
+    for (int step = 0; step < kCells; ++step) {
+      if (found >= wanted || report.cells_searched >= parameters.cells_per_frame) break;
+      const int cell = next_;
+      next_ = (next_ + kStride) % kCells;
+      if (counts_[cell] > 0) continue;
+      ++report.cells_searched;
+      Corner best;
+      if (!best_corner(image, cell, parameters, scratch, best, report)) continue;
+      corners[found++] = best;
+      occupy(best.x, best.y);
+    }
+    return found;
+  }
+
+ private:
+  // Coprime to the number of cells: neighbours in time are not neighbours in the image.
+  static constexpr int kStride = 19;
+
+  struct Place {
+    int x = 0;
+    int y = 0;
+  };
+
+  int cell_of(int x, int y) const {
+    if (x < 0 || y < 0) return -1;
+    const int column = x / cell_width_;
+    const int row = y / cell_height_;
+    return column < kColumns && row < kRows ? row * kColumns + column : -1;
+  }
+
+  bool best_corner(const ImageView& image, int cell, const Parameters& parameters, Scratch& scratch,
+                   Corner& best, Report& report) const {
+    const int x0 = (cell % kColumns) * cell_width_;
+    const int y0 = (cell / kColumns) * cell_height_;
+    const int margin = parameters.margin_px;
+    const Rect rect = intersect({x0, y0, x0 + cell_width_, y0 + cell_height_},
+                                {margin, margin, image.width - margin, image.height - margin});
+    if (rect.empty() || rect.width() > kMaxCellWidth) return false;
+    Corner corners[kCornersPerCell];
+    FastReport fast;
+    if (!ok(detect_fast(image, rect, parameters.fast_threshold, scratch, corners, kCornersPerCell,
+                        fast))) {
+      return false;
+    }
+    report.corners += fast.found;
+    report.corners_dropped += fast.dropped;
+    bool any = false;
+    for (int i = 0; i < fast.found - fast.dropped; ++i) {
+      const Corner& c = corners[i];
+      if (c.score < parameters.min_score || (any && c.score <= best.score)) continue;
+      if (!is_clear(c, parameters.min_distance_px)) continue;
+      best = c;
+      any = true;
+    }
+    return any;
+  }
+
+  bool is_clear(const Corner& corner, int distance) const {
+    for (const Place& p : occupied_) {
+      const int dx = p.x - corner.x;
+      const int dy = p.y - corner.y;
+      if (dx * dx + dy * dy < distance * distance) return false;
+    }
+    return true;
+  }
+
+  FixedVector<Place, kMaxOccupied> occupied_;
+  int counts_[kCells] = {};
+  int cell_width_ = 1;
+  int cell_height_ = 1;
+  int next_ = 0;
+};
+
+}  // namespace cairn

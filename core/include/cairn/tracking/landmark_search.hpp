@@ -1,0 +1,126 @@
+#pragma once
+
+#include "cairn/numeric/fixed_vector.hpp"
+#include "cairn/numeric/math.hpp"
+#include "cairn/tracking/active_search.hpp"
+
+namespace cairn {
+
+/// A landmark of the filter as the tracker knows it.
+struct TrackedLandmark {
+  LandmarkId id = kNoLandmark;
+  Appearance appearance;
+  int predicted = 0;  ///< frames in which it was searched
+  int measured = 0;   ///< of these, found and used by the filter
+  int misses = 0;     ///< searches without success since the last one
+  int frames_out_of_view = 0;
+};
+
+/// The tracker's side of the filter's landmarks, found by id. Cost of a look-up: Capacity
+/// comparisons.
+template <int Capacity>
+class LandmarkTable {
+ public:
+  TrackedLandmark* find(LandmarkId id) {
+    for (TrackedLandmark& entry : entries_) {
+      if (entry.id == id) return &entry;
+    }
+    return nullptr;
+  }
+  bool add(const TrackedLandmark& landmark) { return entries_.push_back(landmark); }
+  void remove(LandmarkId id) {
+    for (int i = 0; i < entries_.size(); ++i) {
+      if (entries_[i].id == id) {
+        entries_.remove_unordered(i);
+        return;
+      }
+    }
+  }
+  void clear() { entries_.clear(); }
+  int size() const { return entries_.size(); }
+  TrackedLandmark* begin() { return entries_.begin(); }
+  TrackedLandmark* end() { return entries_.end(); }
+  const TrackedLandmark* begin() const { return entries_.begin(); }
+  const TrackedLandmark* end() const { return entries_.end(); }
+
+ private:
+  FixedVector<TrackedLandmark, Capacity> entries_;
+};
+
+struct SearchTotals {
+  int corners = 0;
+  int corners_dropped = 0;
+  int descriptors = 0;
+  int searched = 0;
+  int deferred = 0;  ///< in view, not searched: the frame's count was spent
+};
+
+/// Searches the filter's landmarks that are in view, the most uncertain first (largest det S: the
+/// most informative measurement), at most `max_searches` of them; the rest is deferred and counted.
+/// The filter must offer size(), id(slot), predict(slot, prediction), camera() and
+/// T_world_camera().
+///
+/// Cost: one projection per landmark, an insertion sort of Capacity, `max_searches` calls of
+/// search_landmark.
+template <class Filter, int Capacity>
+void search_landmarks(const ImageView& image, const Filter& filter, LandmarkTable<Capacity>& table,
+                      const SearchParameters& parameters, int max_searches, SearchScratch& scratch,
+                      FixedVector<PixelMatch<float>, Capacity>& matches, SearchTotals& totals) {
+  struct Planned {
+    PixelPrediction<float> prediction;
+    float priority = 0.0F;
+  };
+  const PinholeCamera<float> camera = filter.camera();
+  FixedVector<Planned, Capacity> plan;
+  for (int slot = 0; slot < filter.size(); ++slot) {
+    TrackedLandmark* landmark = table.find(filter.id(slot));
+    if (landmark == nullptr) continue;
+    Planned entry;
+    const bool visible =
+        ok(filter.predict(slot, entry.prediction)) && camera.contains(entry.prediction.pixel, 2.0F);
+    if (!visible) {
+      ++landmark->frames_out_of_view;
+      continue;
+    }
+    landmark->frames_out_of_view = 0;
+    const Matrix2<float>& s = entry.prediction.covariance;
+    entry.priority = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
+    plan.push_back(entry);
+    for (int i = plan.size() - 1; i > 0 && plan[i - 1].priority < plan[i].priority; --i) {
+      const Planned swapped = plan[i];
+      plan[i] = plan[i - 1];
+      plan[i - 1] = swapped;
+    }
+  }
+
+  const Rigid<float> T_world_camera = filter.T_world_camera();
+  for (const Planned& entry : plan) {
+    if (totals.searched >= max_searches) {
+      ++totals.deferred;
+      continue;
+    }
+    TrackedLandmark* landmark = table.find(entry.prediction.id);
+    Matrix2<float> warp;
+    if (!ok(predict_warp(camera, landmark->appearance.T_world_reference, T_world_camera,
+                         entry.prediction.p_camera, warp))) {
+      continue;
+    }
+    ++totals.searched;
+    ++landmark->predicted;
+    ++landmark->misses;
+    PixelMatch<float> match;
+    SearchReport report;
+    const Status status = search_landmark(image, entry.prediction, landmark->appearance, warp,
+                                          parameters, scratch, match.pixel, report);
+    totals.corners += report.corners;
+    totals.corners_dropped += report.corners_dropped;
+    totals.descriptors += report.descriptors;
+    if (!ok(status)) continue;
+    match.id = entry.prediction.id;
+    match.slot = entry.prediction.slot;
+    match.descriptor_distance = report.distance;
+    matches.push_back(match);
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,90 @@
+#include "cairn/tracking/candidate_pool.hpp"
+
+#include <gtest/gtest.h>
+
+#include "cairn/vision/fast.hpp"
+
+#include "plane_scene.hpp"
+
+namespace cairn {
+namespace {
+
+using Pool = CandidatePool<16>;
+using test::PlaneScene;
+
+/// GIVEN candidates on a plane 3 m ahead, started without knowledge of their depth.
+class CandidateDepth : public ::testing::Test {
+ protected:
+  static constexpr double kDepth = 3.0;
+
+  void start() {
+    const auto image = scene_.render(camera_, Rigid<double>{});
+    FastScratch<320> scratch;
+    Corner corners[64];
+    FastReport report;
+    ASSERT_TRUE(ok(detect_fast(test::view(image, camera_), {60, 60, 260, 180}, 40, scratch, corners,
+                               64, report)));
+    for (int i = 0; i < report.found - report.dropped && !pool_.full(); i += 3) {
+      static_cast<void>(pool_.add(test::view(image, camera_), test::to_float(camera_),
+                                  Rigid<float>{}, corners[i].x, corners[i].y, parameters_));
+    }
+    ASSERT_GE(pool_.size(), 5);
+  }
+
+  PinholeCamera<double> camera_ = test::small_camera();
+  PlaneScene scene_{kDepth};
+  Pool pool_;
+  Pool::Parameters parameters_;
+};
+
+TEST_F(CandidateDepth, IsFoundBySidewaysMotion) {
+  start();
+  const int started = pool_.size();
+  int promoted = 0;
+  // WHEN the camera moves sideways by 5 cm a frame
+  for (int k = 1; k <= 12; ++k) {
+    const Rigid<double> T{Quaternion<double>::Identity(), {0.05 * k, 0, 0}};
+    const auto image = scene_.render(camera_, T);
+    pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
+                 parameters_);
+    Promotion promotion;
+    while (pool_.promote(test::to_float(camera_), test::to_float(T), parameters_, promotion)) {
+      ++promoted;
+      // THEN the depth of those promoted is right within their own deviation.
+      const float sigma = std::sqrt(promotion.covariance(2, 2));
+      EXPECT_NEAR(promotion.p_camera.z(), kDepth, 3.0 * static_cast<double>(sigma));
+      EXPECT_LT(sigma, 0.4F);
+    }
+  }
+  EXPECT_GE(promoted * 2, started);
+}
+
+TEST_F(CandidateDepth, StaysUnknownUnderPureRotation) {
+  start();
+  for (int k = 1; k <= 8; ++k) {
+    const Rigid<double> T{rotation_exp(Vector3<double>(0, 0.01 * k, 0)), {0, 0, 0}};
+    const auto image = scene_.render(camera_, T);
+    pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
+                 parameters_);
+    Promotion promotion;
+    EXPECT_FALSE(pool_.promote(test::to_float(camera_), test::to_float(T), parameters_, promotion));
+  }
+  EXPECT_GE(pool_.size(), 4);
+}
+
+TEST_F(CandidateDepth, LostCandidatesAreDropped) {
+  start();
+  const auto other = PlaneScene(kDepth, 0.11, 77).render(camera_, Rigid<double>{});
+  const int started = pool_.size();
+  int dropped = 0;
+  for (int k = 0; k < 4; ++k) {
+    dropped += pool_.follow(test::view(other, camera_), test::to_float(camera_), Rigid<float>{},
+                            parameters_);
+  }
+  // One in ten may look alike by chance: what they are not is lost in silence.
+  EXPECT_EQ(dropped + pool_.size(), started);
+  EXPECT_LE(pool_.size() * 10, started);
+}
+
+}  // namespace
+}  // namespace cairn
