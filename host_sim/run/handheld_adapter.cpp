@@ -1,0 +1,85 @@
+#include "host_sim/run/handheld_adapter.hpp"
+
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "cairn/runtime/handheld_tracker.hpp"
+
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/run/core_conversions.hpp"
+#include "host_sim/run/host_ticks.hpp"
+
+namespace cairn::host {
+namespace {
+
+template <class Config>
+class HandheldAdapter : public Tracker {
+ public:
+  using Core = HandheldTracker<Config>;
+
+  HandheldAdapter(const TrackerOptions& options, const SourceInfo& source)
+      : core_(std::make_unique<Core>()) {
+    typename Core::Parameters parameters;
+    parameters.seed = options.seed;
+    if (options.fading == "adaptive") {
+      parameters.filter.fading = FadingMode::kAdaptive;
+    } else if (!options.fading.empty()) {
+      parameters.filter.fading_factor = std::strtof(options.fading.c_str(), nullptr);
+    }
+    fading_ = options.fading.empty() ? "1" : options.fading;
+    const Status status = core_->initialise(to_float(source.camera), parameters);
+    if (!ok(status)) {
+      throw InputError(source.name, fmt::format("camera refused: {}", to_string(status)));
+    }
+  }
+
+  Status process(const Frame& frame, cv::Mat&, FrameReport& report) override {
+    const Status status =
+        core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
+    report.status = status;
+    return status;
+  }
+
+  std::vector<MapLandmark> landmarks() const override {
+    std::vector<MapLandmark> all;
+    const auto& filter = core_->filter();
+    for (int slot = 0; slot < filter.feature_count(); ++slot) {
+      Vector3<float> p;
+      Matrix3<float> covariance;
+      if (!ok(filter.feature_position(slot, p, covariance))) continue;
+      all.push_back({filter.feature_id(slot), p.cast<double>(), covariance.cast<double>(), true});
+    }
+    return all;
+  }
+
+  int landmark_capacity() const override { return Core::kMaxFeatures; }
+  Health health() const override { return core_->health(); }
+
+  nlohmann::json description() const override {
+    return {{"mode", "handheld"},
+            {"filter", "mono"},
+            {"fading", fading_},
+            {"max_features", Core::kMaxFeatures},
+            {"tracker_bytes", sizeof(Core)},
+            {"filter_bytes", sizeof(typename Core::Filter)}};
+  }
+
+ private:
+  std::unique_ptr<Core> core_;
+  std::string fading_;
+};
+
+}  // namespace
+
+std::unique_ptr<Tracker> make_handheld_tracker(const TrackerOptions& options,
+                                               const SourceInfo& source) {
+  const PinholeCamera<double>& camera = source.camera;
+  if (camera.width <= DefaultConfig::kMaxImageWidth &&
+      camera.height <= DefaultConfig::kMaxImageHeight) {
+    return std::make_unique<HandheldAdapter<DefaultConfig>>(options, source);
+  }
+  return std::make_unique<HandheldAdapter<LargeConfig>>(options, source);
+}
+
+}  // namespace cairn::host

@@ -1,0 +1,138 @@
+#include "host_sim/run/vehicle_adapter.hpp"
+
+#include <fmt/format.h>
+
+#include "cairn/planar/ekf_slam.hpp"
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/runtime/vehicle_tracker.hpp"
+
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/run/core_conversions.hpp"
+#include "host_sim/run/host_ticks.hpp"
+
+namespace cairn::host {
+namespace {
+
+template <class Config, class Filter>
+class VehicleAdapter : public Tracker {
+ public:
+  using Core = VehicleTracker<Config, Filter>;
+
+  VehicleAdapter(const TrackerOptions& options, const SourceInfo& source)
+      : core_(std::make_unique<Core>()),
+        filter_name_(options.filter),
+        source_name_(source.name),
+        options_(options) {
+    parameters_.seed = options.seed;
+    parameters_.odometry.sigma_speed_mps = static_cast<float>(source.odometry->speed_sigma_mps);
+    parameters_.odometry.sigma_turn = static_cast<float>(source.odometry->turn_sigma);
+    parameters_.odometry.wheelbase_m = static_cast<float>(source.odometry->wheelbase_m);
+    parameters_.odometry.sample_period_s = static_cast<float>(source.odometry->period_s);
+    camera_ = to_float(source.camera);
+    T_vehicle_camera_ = to_float(source.T_vehicle_camera);
+    start(0);
+  }
+
+  Status process(const Frame& frame, cv::Mat&, FrameReport& report) override {
+    if (!started_) {
+      // The start pose is that of the first frame: odometry before it is not integrated.
+      start(frame.t_us);
+      started_ = true;
+    }
+    for (const OdometrySample& sample : frame.odometry) {
+      // A refused sample is counted in Health; the frame is tracked all the same.
+      static_cast<void>(core_->add_odometry(sample));
+    }
+    const Status status =
+        core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
+    report.status = status;
+    return status;
+  }
+
+  std::vector<MapLandmark> landmarks() const override {
+    std::vector<MapLandmark> all;
+    const Filter& filter = core_->filter();
+    for (int slot = 0; slot < filter.landmark_count(); ++slot) {
+      all.push_back({filter.landmark_id(slot),
+                     filter.landmark_position(slot).template cast<double>(),
+                     filter.landmark_covariance(slot).template cast<double>(), true});
+    }
+    return all;
+  }
+
+  int landmark_capacity() const override { return Core::kMaxLandmarks; }
+  Health health() const override { return core_->health(); }
+
+  std::optional<PlanarPoseEstimate> vehicle_pose() const override {
+    const PlanarPose<float> pose = core_->filter().pose();
+    PlanarPoseEstimate estimate;
+    estimate.x_m = static_cast<double>(pose.position.x());
+    estimate.y_m = static_cast<double>(pose.position.y());
+    estimate.theta_rad = static_cast<double>(pose.heading);
+    estimate.covariance = core_->filter().pose_covariance().template cast<double>();
+    return estimate;
+  }
+
+  nlohmann::json description() const override {
+    return {{"mode", "vehicle"},
+            {"filter", filter_name_},
+            {"max_landmarks", Core::kMaxLandmarks},
+            {"tracker_bytes", sizeof(Core)},
+            {"filter_bytes", sizeof(Filter)}};
+  }
+
+ private:
+  void start(std::int64_t t_us) {
+    typename Core::Start start;
+    start.pose.position = Vector2<float>(static_cast<float>(options_.start_x_m),
+                                         static_cast<float>(options_.start_y_m));
+    start.pose.heading = static_cast<float>(options_.start_theta_rad);
+    start.covariance = Vector3<float>(static_cast<float>(options_.start_position_variance),
+                                      static_cast<float>(options_.start_position_variance),
+                                      static_cast<float>(options_.start_heading_variance))
+                           .asDiagonal();
+    start.t_us = t_us;
+    const Status status = core_->initialise(camera_, T_vehicle_camera_, start, parameters_);
+    if (!ok(status)) {
+      throw InputError(source_name_, fmt::format("camera refused: {}", to_string(status)));
+    }
+  }
+
+  std::unique_ptr<Core> core_;
+  std::string filter_name_;
+  std::string source_name_;
+  TrackerOptions options_;
+  typename Core::Parameters parameters_;
+  PinholeCamera<float> camera_;
+  Rigid<float> T_vehicle_camera_;
+  bool started_ = false;
+};
+
+template <class Config>
+std::unique_ptr<Tracker> make_with_config(TrackerOptions options, const SourceInfo& source) {
+  constexpr int kMax = Config::kMaxLandmarks;
+  if (options.filter.empty()) options.filter = "group-iekf";
+  if (options.filter == "ekf") {
+    return std::make_unique<VehicleAdapter<Config, EkfSlam<float, kMax, 3>>>(options, source);
+  }
+  if (options.filter == "lifted-iekf") {
+    return std::make_unique<VehicleAdapter<Config, LiftedIekfSlam<float, kMax, 3>>>(options,
+                                                                                    source);
+  }
+  return std::make_unique<VehicleAdapter<Config, GroupIekfSlam<float, kMax, 3>>>(options, source);
+}
+
+}  // namespace
+
+std::unique_ptr<Tracker> make_vehicle_tracker(const TrackerOptions& options,
+                                              const SourceInfo& source) {
+  const PinholeCamera<double>& camera = source.camera;
+  if (camera.width <= DefaultConfig::kMaxImageWidth &&
+      camera.height <= DefaultConfig::kMaxImageHeight) {
+    return make_with_config<DefaultConfig>(options, source);
+  }
+  return make_with_config<LargeConfig>(options, source);
+}
+
+}  // namespace cairn::host
