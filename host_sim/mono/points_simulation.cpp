@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "cairn/mono/mono_bank.hpp"
 #include "cairn/mono/mono_ekf.hpp"
 
 #include "host_sim/mono/points_world.hpp"
@@ -19,8 +20,10 @@ constexpr int kMaxAnchors = 10;
 constexpr double kLostDeg = 20.0;
 
 /// Filter, world and truth of one run.
-template <class T>
+template <class Filter>
 class PointsRun {
+  using T = typename Filter::Scalar;
+
  public:
   PointsRun(const PointsScenario& scenario, const MonoParameters<T>& parameters)
       : scenario_(scenario),
@@ -59,8 +62,6 @@ class PointsRun {
   }
 
  private:
-  using Filter = MonoEkf<T, kMaxFeatures, kMaxAnchors>;
-
   template <class Work>
   void timed(Work&& work) {
     const auto begin = std::chrono::steady_clock::now();
@@ -237,11 +238,16 @@ class PointsRun {
 }  // namespace
 
 template <class T>
-PointsResult run_points(const PointsScenario& scenario, const MonoParameters<T>& parameters) {
-  return PointsRun<T>(scenario, parameters).run();
+PointsResult run_points(const PointsScenario& scenario, const MonoParameters<T>& parameters,
+                        bool bank) {
+  if (bank) {
+    return PointsRun<MonoBank<T, kMaxFeatures, kMaxAnchors>>(scenario, parameters).run();
+  }
+  return PointsRun<MonoEkf<T, kMaxFeatures, kMaxAnchors>>(scenario, parameters).run();
 }
 
-template PointsResult run_points<float>(const PointsScenario&, const MonoParameters<float>&);
-template PointsResult run_points<double>(const PointsScenario&, const MonoParameters<double>&);
+template PointsResult run_points<float>(const PointsScenario&, const MonoParameters<float>&, bool);
+template PointsResult run_points<double>(const PointsScenario&, const MonoParameters<double>&,
+                                         bool);
 
 }  // namespace cairn::host

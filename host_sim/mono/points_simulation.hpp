@@ -63,12 +63,15 @@ struct PointsResult {
   bool lost = false;     ///< attitude error above 20 deg at any frame, or not finite
 };
 
-/// Runs the filter of scalar T over the scenario.
+/// Runs the filter of scalar T over the scenario; with `bank` two of them, for a lever of unknown
+/// sign (MonoBank).
 template <class T>
-PointsResult run_points(const PointsScenario& scenario, const MonoParameters<T>& parameters);
+PointsResult run_points(const PointsScenario& scenario, const MonoParameters<T>& parameters,
+                        bool bank = false);
 
-extern template PointsResult run_points<float>(const PointsScenario&, const MonoParameters<float>&);
+extern template PointsResult run_points<float>(const PointsScenario&, const MonoParameters<float>&,
+                                               bool);
 extern template PointsResult run_points<double>(const PointsScenario&,
-                                                const MonoParameters<double>&);
+                                                const MonoParameters<double>&, bool);
 
 }  // namespace cairn::host

@@ -117,7 +117,8 @@ class MonoEkf {
   /// Removes every feature that is measured in too small a share of the updates in which it was
   /// predicted, or has been out of view for too long; then, while fewer than `room` slots are free,
   /// the ones longest out of view. Returns the number removed. Cost: O(n) per feature removed.
-  int prune(const FeaturePolicy& policy, int room);
+  /// `removed`, where given, has room for MaxFeatures and gets the ids in order.
+  int prune(const FeaturePolicy& policy, int room, LandmarkId* removed = nullptr);
 
   /// Camera pose in the world.
   Rigid<T> T_world_camera() const;

@@ -170,15 +170,19 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::remove_feature(int slot) {
 }
 
 template <class T, int MaxFeatures, int MaxAnchors>
-int MonoEkf<T, MaxFeatures, MaxAnchors>::prune(const FeaturePolicy& policy, int room) {
-  int removed = 0;
+int MonoEkf<T, MaxFeatures, MaxAnchors>::prune(const FeaturePolicy& policy, int room,
+                                               LandmarkId* removed) {
+  int count = 0;
+  const auto remove = [&](int slot) {
+    if (removed != nullptr) removed[count] = features_[slot].id;
+    if (ok(remove_feature(slot))) ++count;
+  };
   for (int slot = feature_count_ - 1; slot >= 0; --slot) {
     const FeatureStatistics& s = features_[slot].statistics;
     const bool poor = s.predicted >= policy.min_predicted &&
                       static_cast<float>(s.measured) <
                           policy.min_measured_share * static_cast<float>(s.predicted);
-    if (!poor && s.out_of_view <= policy.max_out_of_view) continue;
-    if (ok(remove_feature(slot))) ++removed;
+    if (poor || s.out_of_view > policy.max_out_of_view) remove(slot);
   }
   const int wanted = room < MaxFeatures ? room : MaxFeatures;
   for (int k = 0; k < MaxFeatures && MaxFeatures - feature_count_ < wanted; ++k) {
@@ -190,9 +194,9 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::prune(const FeaturePolicy& policy, int 
       worst = slot;
     }
     if (worst < 0) break;
-    if (ok(remove_feature(worst))) ++removed;
+    remove(worst);
   }
-  return removed;
+  return count;
 }
 
 template <class T, int MaxFeatures, int MaxAnchors>
