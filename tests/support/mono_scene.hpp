@@ -67,7 +67,9 @@ class MonoScene {
       next_ = next_ % static_cast<LandmarkId>(points_.size()) + 1;
       const Vector2<double> seen = pixel(next_);
       if (!camera<double>().contains(seen, 10.0) || filter.find(next_) >= 0) continue;
-      add(filter, next_, measure(next_));
+      const Vector2<double> measured = measure(next_);
+      births_.push_back(measured);
+      (void)filter.add_feature(next_, measured.template cast<typename Filter::Scalar>());
     }
   }
 
@@ -99,6 +101,9 @@ class MonoScene {
   }
 
   void advance() { ++frame_; }
+  /// Pixels of the features added since clear_births().
+  const std::vector<Vector2<double>>& births() const { return births_; }
+  void clear_births() { births_.clear(); }
 
  private:
   Vector2<double> measure(LandmarkId id) {
@@ -106,16 +111,12 @@ class MonoScene {
     const double du = normal_(engine_);
     return {p.x() + du, p.y() + normal_(engine_)};
   }
-  template <class Filter>
-  static void add(Filter& filter, LandmarkId id, const Vector2<double>& pixel) {
-    (void)filter.add_feature(id, pixel.cast<typename Filter::Scalar>());
-  }
-
   std::mt19937 engine_;
   std::normal_distribution<double> normal_;
   std::vector<Vector3<double>> points_;
   int frame_ = 0;
   LandmarkId next_ = 0;
+  std::vector<Vector2<double>> births_;
 };
 
 }  // namespace cairn::test
