@@ -1,9 +1,34 @@
 #include "cairn/vision/freak.hpp"
 
+#include <cstring>
+
 #include "freak_kernel.hpp"
 
 namespace cairn {
 namespace vision {
+namespace {
+
+/// Rounds a position to what a float can hold: from 256 px on its last bit is above 2^-18.
+__attribute__((noinline)) std::int32_t round_as_float(std::int32_t v) {
+  const int shift = 8 - __builtin_clz(static_cast<std::uint32_t>(v));
+  if (shift <= 0) return v;
+  const std::int32_t half = (1 << (shift - 1)) - 1 + ((v >> shift) & 1);
+  return ((v + half) >> shift) << shift;
+}
+
+}  // namespace
+
+Interval special_interval(int coordinate, std::int32_t offset, std::int32_t reach, int ring) {
+  const std::int32_t position = round_as_float(coordinate * kOnePixel + offset);
+  const std::int32_t edge = round_as_float(position - reach);
+  const std::int32_t end = round_as_float(round_as_float(position + reach) + kOnePixel);
+  int begin = round_biased(edge + kRoundingBias);
+  if (ring == 4 && coordinate < 1000 && is_special_coordinate(coordinate) &&
+      (edge & (kOnePixel - 1)) == kOnePixel / 2) {
+    begin = (edge >> kPositionBits) | 1;
+  }
+  return {begin, round_biased(end + kRoundingBias)};
+}
 
 int orientation_bin_of(int dx, int dy) {
   const auto x = static_cast<std::uint32_t>(dx < 0 ? -dx : dx);
@@ -42,14 +67,44 @@ int freak_orientation(const FreakMeans& means, FreakOrientation precision) {
   return orientation_bin_of(dx, dy);
 }
 
+namespace {
+
+/// Shifts into `bits` from below whether a >= b.
+inline void append_comparison(std::uint32_t& bits, std::uint32_t a, std::uint32_t b) {
+#if defined(__ARM_ARCH_ISA_THUMB) && __ARM_ARCH_ISA_THUMB >= 2
+  // The carry of the comparison goes straight into the sum; compilers take twice as many steps.
+  __asm__("cmp %1, %2\n\tadc %0, %0, %0" : "+r"(bits) : "r"(a), "r"(b) : "cc");
+#else
+  bits = 2 * bits + (a >= b ? 1U : 0U);
+#endif
+}
+
+}  // namespace
+
 void compare_means(const FreakMeans& means, Descriptor& descriptor) {
-  const std::uint8_t(*pair)[2] = kComparisonPairs;
-  for (int byte = 0; byte < Descriptor::kBytes; ++byte, pair += 8) {
-    unsigned bits = 0;
-    for (int b = 7; b >= 0; --b) {
-      bits = 2 * bits + (means.value[pair[b][0]] >= means.value[pair[b][1]] ? 1U : 0U);
+  const std::uint8_t* const value = means.value;
+  for (int group = 0; group < Descriptor::kBytes / 4; ++group) {
+    const std::uint8_t(*const pair)[2] = kComparisonPairs + 32 * group;
+    std::uint32_t bits = 0;
+    for (int b = 31; b >= 0; b -= 16) {
+      append_comparison(bits, value[pair[b][0]], value[pair[b][1]]);
+      append_comparison(bits, value[pair[b - 1][0]], value[pair[b - 1][1]]);
+      append_comparison(bits, value[pair[b - 2][0]], value[pair[b - 2][1]]);
+      append_comparison(bits, value[pair[b - 3][0]], value[pair[b - 3][1]]);
+      append_comparison(bits, value[pair[b - 4][0]], value[pair[b - 4][1]]);
+      append_comparison(bits, value[pair[b - 5][0]], value[pair[b - 5][1]]);
+      append_comparison(bits, value[pair[b - 6][0]], value[pair[b - 6][1]]);
+      append_comparison(bits, value[pair[b - 7][0]], value[pair[b - 7][1]]);
+      append_comparison(bits, value[pair[b - 8][0]], value[pair[b - 8][1]]);
+      append_comparison(bits, value[pair[b - 9][0]], value[pair[b - 9][1]]);
+      append_comparison(bits, value[pair[b - 10][0]], value[pair[b - 10][1]]);
+      append_comparison(bits, value[pair[b - 11][0]], value[pair[b - 11][1]]);
+      append_comparison(bits, value[pair[b - 12][0]], value[pair[b - 12][1]]);
+      append_comparison(bits, value[pair[b - 13][0]], value[pair[b - 13][1]]);
+      append_comparison(bits, value[pair[b - 14][0]], value[pair[b - 14][1]]);
+      append_comparison(bits, value[pair[b - 15][0]], value[pair[b - 15][1]]);
     }
-    descriptor.bytes[byte] = static_cast<std::uint8_t>(bits);
+    std::memcpy(descriptor.bytes + 4 * group, &bits, sizeof bits);
   }
 }
 
@@ -70,8 +125,8 @@ int freak_margin(int scale_index) {
   const int index = scale_index < 0                        ? 0
                     : scale_index > vision::kMaxScaleIndex ? vision::kMaxScaleIndex
                                                            : scale_index;
-  const std::int32_t reach =
-      vision::scaled_radius(0, index, 0) + vision::scaled_radius(0, index, 1);
+  const vision::RingSize outer = vision::ring_size(0, index);
+  const std::int32_t reach = outer.radius + outer.reach;
   return ((reach + vision::kOnePixel - 1) >> vision::kPositionBits) + 2;
 }
 

@@ -23,12 +23,19 @@ inline constexpr std::int32_t kOnePixel = 1 << kPositionBits;
 inline constexpr int kTurn = 768;
 inline constexpr int kStepsPerBin = kTurn / 256;
 
-/// kRingRadius[ring] * 2^(scale_index / 16) / 2^halvings, Q18.
-inline std::int32_t scaled_radius(int ring, int scale_index, int halvings) {
-  const int shift = 39 + halvings - (scale_index >> 4);
-  const std::int64_t product =
-      static_cast<std::int64_t>(kRingRadius[ring]) * kScaleStep[scale_index & 15];
-  return static_cast<std::int32_t>((product + (std::int64_t{1} << (shift - 1))) >> shift);
+/// Radius of a ring, Q18.
+struct RingSize {
+  std::int32_t radius;
+  std::int32_t reach;  ///< half the width of its boxes
+};
+inline RingSize ring_size(int ring, int scale_index) {
+  const std::uint64_t product = static_cast<std::uint64_t>(kRingRadius[ring]) *
+                                static_cast<std::uint64_t>(kScaleStep[scale_index & 15]);
+  const auto radius_q27 = static_cast<std::uint32_t>((product + (1U << 29U)) >> 30U);
+  const auto shift = static_cast<unsigned>(9 - (scale_index >> 4));
+  const std::uint32_t half = 1U << (shift - 1);
+  return {static_cast<std::int32_t>((radius_q27 + half) >> shift),
+          static_cast<std::int32_t>((radius_q27 + 2 * half) >> (shift + 1))};
 }
 
 inline std::int32_t cosine_q30(int step) {
@@ -38,21 +45,22 @@ inline std::int32_t cosine_q30(int step) {
 
 /// value * factor / 2^30, rounded; |value| below 2^29.
 inline std::int32_t multiply_q30(std::int32_t value, std::int32_t factor) {
+#if defined(__ARM_FEATURE_DSP)
+  std::int32_t result = 0;
+  __asm__("smmulr %0, %1, %2" : "=r"(result) : "r"(value * 4), "r"(factor));
+  return result;
+#else
   const std::int64_t product = static_cast<std::int64_t>(value * 4) * factor;
   return static_cast<std::int32_t>((product + (std::int64_t{1} << 31)) >> 32);
+#endif
 }
 
-/// Nearest pixel, halves to the even one.
-inline int round_half_even(std::int32_t v) {
-  return (v + (kOnePixel / 2 - 1) + ((v >> kPositionBits) & 1)) >> kPositionBits;
-}
-
-/// Rounds a position to what a float can hold: from 256 px on its last bit is above 2^-18.
-inline std::int32_t round_as_float(std::int32_t v) {
-  const int shift = 8 - __builtin_clz(static_cast<std::uint32_t>(v));
-  if (shift <= 0) return v;
-  const std::int32_t half = (1 << (shift - 1)) - 1 + ((v >> shift) & 1);
-  return ((v + half) >> shift) << shift;
+/// Nearest pixel, halves to the even one, of a position that has kRoundingBias added. One more
+/// makes a difference only at a tie, and there the biased position still has the integer part whose
+/// last bit decides.
+inline constexpr std::int32_t kRoundingBias = kOnePixel / 2 - 1;
+inline int round_biased(std::int32_t biased) {
+  return (biased + ((biased >> kPositionBits) & 1)) >> kPositionBits;
 }
 
 /// First pixel and first pixel beyond of a box along one axis.
@@ -61,45 +69,17 @@ struct Interval {
   int end;
 };
 
-/// The box [centre + offset - reach, centre + offset + reach] along one axis, as OpenCV rounds it.
-/// It adds in float, where two things show. Far from the origin every sum is rounded to the float's
-/// grid: followed here step by step. Nearer, only one tie ever falls on the other side (ring 4,
-/// offset - reach = -5.5 px, coordinates just above a power of two). That these two rules are all,
-/// for every orientation and coordinate up to 4,096 at scale index 0, freak_geometry_test shows.
-class AxisRounder {
- public:
-  explicit AxisRounder(int coordinate)
-      : centre_(coordinate * kOnePixel),
-        far_(coordinate >= kFarCoordinate),
-        odd_tie_(coordinate == 37 || coordinate == 68 || coordinate == 133 || coordinate == 260 ||
-                 coordinate == 517) {}
-
-  Interval box(std::int32_t offset, std::int32_t reach, int ring) const {
-    const std::int32_t position = centre_ + offset;
-    if (far_) return far_box(position, reach);
-    Interval interval{round_half_even(position - reach),
-                      round_half_even(position + reach + kOnePixel)};
-    if (odd_tie_ && ring == 4) {
-      const std::int32_t edge = position - reach;
-      if ((edge & (kOnePixel - 1)) == kOnePixel / 2) interval.begin = (edge >> kPositionBits) | 1;
-    }
-    return interval;
-  }
-
- private:
-  /// From here on the pattern at scale index 0 can reach 1,024 px.
-  static constexpr int kFarCoordinate = 1000;
-
-  static Interval far_box(std::int32_t position, std::int32_t reach) {
-    position = round_as_float(position);
-    return {round_half_even(round_as_float(position - reach)),
-            round_half_even(round_as_float(round_as_float(position + reach) + kOnePixel))};
-  }
-
-  std::int32_t centre_;
-  bool far_;
-  bool odd_tie_;
-};
+/// OpenCV lays the box [centre + offset - reach, centre + offset + reach] in float, which shows in
+/// two cases. From where the pattern can reach 1,024 px every sum is visibly rounded to the float's
+/// grid. Nearer, only one tie ever falls on the other side (ring 4, offset - reach = -5.5 px,
+/// coordinates just above a power of two). That these are all, for every orientation and
+/// coordinate up to 4,096 at scale index 0, freak_geometry_test shows.
+constexpr bool is_special_coordinate(int coordinate) {
+  return coordinate >= 1000 || coordinate == 37 || coordinate == 68 || coordinate == 133 ||
+         coordinate == 260 || coordinate == 517;
+}
+/// The box along one axis in these cases. Right for all others too, but slow.
+Interval special_interval(int coordinate, std::int32_t offset, std::int32_t reach, int ring);
 
 /// Mean grey values of the 43 points, rounded.
 struct FreakMeans {
@@ -112,51 +92,83 @@ template <class Lanes>
 class FreakSampler {
  public:
   FreakSampler(const ImageView& image, int x, int y, int scale_index)
-      : image_(image), x_(x), y_(y), scale_index_(scale_index) {}
+      : image_(image),
+        x_(x),
+        y_(y),
+        scale_index_(scale_index),
+        special_(is_special_coordinate(x) || is_special_coordinate(y)) {}
 
   void sample(int orientation_bin, FreakMeans& means) const {
-    // Point k + 3 of a ring lies opposite to point k, and odd rings are turned by 64 steps: six
-    // directions serve all points.
-    std::int32_t cosine[kPointsPerRing];
-    std::int32_t sine[kPointsPerRing];
-    for (int k = 0; k < kPointsPerRing; ++k) {
-      int step = kStepsPerBin * orientation_bin + k * (kTurn / 12);
+    // Every point lies in one of twelve directions, 64 steps apart.
+    std::int32_t cosine[kDirections];
+    std::int32_t sine[kDirections];
+    for (int k = 0; k < kDirections / 2; ++k) {
+      int step = kStepsPerBin * orientation_bin + k * (kTurn / kDirections);
       if (step >= kTurn) step -= kTurn;
       cosine[k] = cosine_q30(step);
+      cosine[k + kDirections / 2] = -cosine[k];
       sine[k] = cosine_q30(step >= kTurn / 4 ? step - kTurn / 4 : step + kTurn * 3 / 4);
+      sine[k + kDirections / 2] = -sine[k];
     }
     std::uint8_t* out = means.value;
-    std::int32_t reach = 0;
-    for (int ring = 0; ring < kRings; ++ring, out += kPointsPerRing) {
-      const std::int32_t radius = scaled_radius(ring, scale_index_, 0);
-      reach = scaled_radius(ring, scale_index_, 1);
-      for (int k = 0; k < kPointsPerRing / 2; ++k) {
-        const int direction = 2 * k + (ring & 1);
-        const std::int32_t dx = multiply_q30(radius, cosine[direction]);
-        const std::int32_t dy = multiply_q30(radius, sine[direction]);
-        out[k] = mean(dx, dy, reach, ring);
-        out[k + kPointsPerRing / 2] = mean(-dx, -dy, reach, ring);
+    RingSize size{};
+    for (int ring = 0; ring <= kRings; ++ring) {
+      const bool centre = ring == kRings;
+      size = centre ? RingSize{0, size.reach} : ring_size(ring, scale_index_);
+      const Edges edges(x_, y_, size.reach);
+      const int end = centre ? kRings % 2 + 1 : kDirections;
+      for (int direction = ring % 2; direction < end; direction += 2) {
+        const std::int32_t dx = multiply_q30(size.radius, cosine[direction]);
+        const std::int32_t dy = multiply_q30(size.radius, sine[direction]);
+        Box box = edges.moved(dx, dy);
+        if (__builtin_expect(special_, 0)) {
+          box = {special_interval(x_, dx, size.reach, ring),
+                 special_interval(y_, dy, size.reach, ring)};
+        }
+        *out++ = mean(box);
       }
     }
-    *out = mean(0, 0, reach, kRings);
   }
 
  private:
-  std::uint8_t mean(std::int32_t dx, std::int32_t dy, std::int32_t reach, int ring) const {
-    const Interval x = x_.box(dx, reach, ring);
-    const Interval y = y_.box(dy, reach, ring);
-    const int width = x.end - x.begin;
-    const int height = y.end - y.begin;
+  static constexpr int kDirections = 2 * kPointsPerRing;
+
+  struct Box {
+    Interval x;
+    Interval y;
+  };
+  /// Edges of a ring's box around the centre, ready to be moved and rounded.
+  struct Edges {
+    std::int32_t left;
+    std::int32_t top;
+    std::int32_t right;
+    std::int32_t bottom;
+
+    Edges(int x, int y, std::int32_t reach)
+        : left(x * kOnePixel + kRoundingBias - reach),
+          top(y * kOnePixel + kRoundingBias - reach),
+          right(x * kOnePixel + kRoundingBias + kOnePixel + reach),
+          bottom(y * kOnePixel + kRoundingBias + kOnePixel + reach) {}
+    Box moved(std::int32_t dx, std::int32_t dy) const {
+      return {{round_biased(left + dx), round_biased(right + dx)},
+              {round_biased(top + dy), round_biased(bottom + dy)}};
+    }
+  };
+
+  __attribute__((always_inline)) std::uint8_t mean(const Box& box) const {
+    const int width = box.x.end - box.x.begin;
+    const int height = box.y.end - box.y.begin;
     const std::uint32_t sum =
-        Lanes::box_sum(image_.row(y.begin) + x.begin, image_.stride, width, height);
+        Lanes::box_sum(image_.row(box.y.begin) + box.x.begin, image_.stride, width, height);
     const auto area = static_cast<std::uint32_t>(width * height);
     return static_cast<std::uint8_t>((sum + area / 2) / area);
   }
 
   ImageView image_;
-  AxisRounder x_;
-  AxisRounder y_;
+  int x_;
+  int y_;
   int scale_index_;
+  bool special_;
 };
 
 /// Orientation bin (256 to a turn) of the gradient (dx, dy): nearest bin, 0 for the zero vector.

@@ -64,6 +64,11 @@ struct WordLanes {
     std::memcpy(&v, p, sizeof v);
     return v;
   }
+  static Pixels load_pair(const std::uint8_t* p) {
+    std::uint16_t v = 0;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+  }
   static void store(std::uint8_t* p, Pixels v) { std::memcpy(p, &v, sizeof v); }
   static Pixels splat(int value) { return static_cast<Pixels>(value) * 0x01010101U; }
   static Pixels min(Pixels a, Pixels b) { return min_u8x4(a, b); }
@@ -78,42 +83,87 @@ struct WordLanes {
            ((v & 0xFF0000U) != 0 ? 4U : 0U) | ((v & 0xFF000000U) != 0 ? 8U : 0U);
   }
 
-  static std::uint32_t box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width, int height);
+  __attribute__((always_inline)) static std::uint32_t box_sum(const std::uint8_t* p,
+                                                              std::ptrdiff_t stride, int width,
+                                                              int height) {
+    return width <= 16 ? narrow_box_sum(p, stride, width, height)
+                       : wide_box_sum(p, stride, width, height);
+  }
+
+ private:
+  // One call each: in the pattern's inner loop, and away from it.
+  __attribute__((always_inline)) static std::uint32_t narrow_box_sum(const std::uint8_t* p,
+                                                                     std::ptrdiff_t stride,
+                                                                     int width, int height);
+  static std::uint32_t wide_box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
+                                    int height);
 };
 
 namespace detail {
 
-/// Rows of `Words` whole words and, where `mask` is set, a part of one more.
-template <int Words>
-inline std::uint32_t sum_rows(const std::uint8_t* p, std::ptrdiff_t stride, int height,
-                              std::uint32_t mask) {
+/// Sum of a row of 4 * Words + Tail pixels. Written out, because -O2 does not unroll.
+template <int Words, int Tail>
+inline std::uint32_t sum_row(const std::uint8_t* p, ByteAdder add, std::uint32_t sum) {
+  if constexpr (Words > 0) sum = add(WordLanes::load(p), sum);
+  if constexpr (Words > 1) sum = add(WordLanes::load(p + 4), sum);
+  if constexpr (Words > 2) sum = add(WordLanes::load(p + 8), sum);
+  if constexpr (Words > 3) sum = add(WordLanes::load(p + 12), sum);
+  if constexpr (Tail == 1) sum += p[4 * Words];
+  if constexpr (Tail == 2) sum = add(WordLanes::load_pair(p + 4 * Words), sum);
+  if constexpr (Tail == 3) sum = add(WordLanes::load(p + 4 * Words) & 0xFFFFFFU, sum);
+  return sum;
+}
+
+template <int Words, int Tail>
+inline std::uint32_t sum_rows(const std::uint8_t* p, std::ptrdiff_t stride, int height) {
+  const ByteAdder add;
   std::uint32_t sum = 0;
   do {
-    for (int i = 0; i < Words; ++i) sum = add_bytes_u8x4(WordLanes::load(p + 4 * i), sum);
-    if (mask != 0) sum = add_bytes_u8x4(WordLanes::load(p + 4 * Words) & mask, sum);
+    sum = sum_row<Words, Tail>(p, add, sum);
     p += stride;
-  } while (--height > 0);
+  } while (--height != 0);
   return sum;
 }
 
 }  // namespace detail
 
-inline std::uint32_t WordLanes::box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
-                                        int height) {
-  std::uint32_t sum = 0;
-  for (; width > 16; width -= 16, p += 16) sum += detail::sum_rows<4>(p, stride, height, 0);
-  const std::uint32_t mask = (1U << (8U * (static_cast<unsigned>(width) & 3U))) - 1U;
-  switch (width >> 2) {
-    case 0:
-      return sum + detail::sum_rows<0>(p, stride, height, mask);
+inline std::uint32_t WordLanes::narrow_box_sum(const std::uint8_t* p, std::ptrdiff_t stride,
+                                               int width, int height) {
+  switch (width) {
     case 1:
-      return sum + detail::sum_rows<1>(p, stride, height, mask);
+      return detail::sum_rows<0, 1>(p, stride, height);
     case 2:
-      return sum + detail::sum_rows<2>(p, stride, height, mask);
+      return detail::sum_rows<0, 2>(p, stride, height);
     case 3:
-      return sum + detail::sum_rows<3>(p, stride, height, mask);
+      return detail::sum_rows<0, 3>(p, stride, height);
+    case 4:
+      return detail::sum_rows<1, 0>(p, stride, height);
+    case 5:
+      return detail::sum_rows<1, 1>(p, stride, height);
+    case 6:
+      return detail::sum_rows<1, 2>(p, stride, height);
+    case 7:
+      return detail::sum_rows<1, 3>(p, stride, height);
+    case 8:
+      return detail::sum_rows<2, 0>(p, stride, height);
+    case 9:
+      return detail::sum_rows<2, 1>(p, stride, height);
+    case 10:
+      return detail::sum_rows<2, 2>(p, stride, height);
+    case 11:
+      return detail::sum_rows<2, 3>(p, stride, height);
+    case 12:
+      return detail::sum_rows<3, 0>(p, stride, height);
+    case 13:
+      return detail::sum_rows<3, 1>(p, stride, height);
+    case 14:
+      return detail::sum_rows<3, 2>(p, stride, height);
+    case 15:
+      return detail::sum_rows<3, 3>(p, stride, height);
+    case 16:
+      return detail::sum_rows<4, 0>(p, stride, height);
     default:
-      return sum + detail::sum_rows<4>(p, stride, height, 0);
+      __builtin_unreachable();
   }
 }
 

@@ -33,9 +33,18 @@ inline std::uint32_t add_saturated_u8x4(std::uint32_t a, std::uint32_t b) {
 inline std::uint32_t subtract_saturated_u8x4(std::uint32_t a, std::uint32_t b) {
   return __uqsub8(a, b);
 }
-inline std::uint32_t add_bytes_u8x4(std::uint32_t a, std::uint32_t sum) {
-  return __usada8(a, 0, sum);
-}
+/// Adds the bytes of a to sum.
+class ByteAdder {
+ public:
+  // Hidden from the optimiser, which would load the constant anew before every use.
+  ByteAdder() { __asm__("" : "+r"(zero_)); }
+  std::uint32_t operator()(std::uint32_t a, std::uint32_t sum) const {
+    return __usada8(a, zero_, sum);
+  }
+
+ private:
+  std::uint32_t zero_ = 0;
+};
 
 #else
 
@@ -70,10 +79,12 @@ inline std::uint32_t add_saturated_u8x4(std::uint32_t a, std::uint32_t b) {
   // a + min(b, 255 - a) never carries across bytes.
   return a + min_u8x4(b, ~a);
 }
-inline std::uint32_t add_bytes_u8x4(std::uint32_t a, std::uint32_t sum) {
-  const std::uint32_t pairs = (a & 0x00FF00FFU) + ((a >> 8U) & 0x00FF00FFU);
-  return sum + (pairs & 0xFFFFU) + (pairs >> 16U);
-}
+struct ByteAdder {
+  std::uint32_t operator()(std::uint32_t a, std::uint32_t sum) const {
+    const std::uint32_t pairs = (a & 0x00FF00FFU) + ((a >> 8U) & 0x00FF00FFU);
+    return sum + (pairs & 0xFFFFU) + (pairs >> 16U);
+  }
+};
 
 #endif
 
