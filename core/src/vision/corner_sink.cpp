@@ -3,39 +3,40 @@
 namespace cairn::vision {
 namespace {
 
-bool later(const Corner& a, const Corner& b) {
-  return a.y != b.y ? a.y > b.y : a.x > b.x;
-}
-/// Lower score, or of equal ones the later in raster order.
-bool worse(const Corner& a, const Corner& b) {
-  return a.score != b.score ? a.score < b.score : later(a, b);
+/// Both orders that corners are kept in are bits of one number: by score, then (lower 24 bits) the
+/// later in raster order first. Coordinates are below 4,096.
+constexpr std::uint32_t kByScore = 0xFFFFFFFFU;
+constexpr std::uint32_t kLatestFirst = 0x00FFFFFFU;
+
+std::uint32_t rank(const Corner& corner, std::uint32_t order) {
+  const auto place = static_cast<std::uint32_t>(corner.y * ImageView::kMaxExtent + corner.x);
+  return (static_cast<std::uint32_t>(corner.score) << 24U | (kLatestFirst - place)) & order;
 }
 
-/// Moves item `index` down until no child comes before it.
-template <class Before>
-void sift_down(Corner* items, int count, int index, Before before) {
+/// Moves item `index` of a heap, lowest rank at its root, down to its place.
+void sift_down(Corner* items, int count, int index, std::uint32_t order) {
   const Corner moving = items[index];
+  const std::uint32_t moving_rank = rank(moving, order);
   for (int child = 2 * index + 1; child < count; child = 2 * index + 1) {
-    if (child + 1 < count && before(items[child + 1], items[child])) ++child;
-    if (!before(items[child], moving)) break;
+    if (child + 1 < count && rank(items[child + 1], order) < rank(items[child], order)) ++child;
+    if (moving_rank <= rank(items[child], order)) break;
     items[index] = items[child];
     index = child;
   }
   items[index] = moving;
 }
 
-template <class Before>
-void make_heap(Corner* items, int count, Before before) {
-  for (int i = count / 2 - 1; i >= 0; --i) sift_down(items, count, i, before);
+void make_heap(Corner* items, int count, std::uint32_t order) {
+  for (int i = count / 2 - 1; i >= 0; --i) sift_down(items, count, i, order);
 }
 
 void sort_raster(Corner* items, int count) {
-  make_heap(items, count, later);
+  make_heap(items, count, kLatestFirst);
   for (int last = count - 1; last > 0; --last) {
     const Corner latest = items[0];
     items[0] = items[last];
     items[last] = latest;
-    sift_down(items, last, 0, later);
+    sift_down(items, last, 0, kLatestFirst);
   }
 }
 
@@ -67,12 +68,12 @@ void CornerSink::add(int x, int y, int score) {
   ++dropped_;
   if (cells_.capacity == 0) return;
   if (count == cells_.capacity) {
-    make_heap(items, cells_.capacity, worse);
+    make_heap(items, cells_.capacity, kByScore);
     ++count;  // marks the heap
   }
-  if (worse(items[0], corner)) {
+  if (rank(items[0], kByScore) < rank(corner, kByScore)) {
     items[0] = corner;
-    sift_down(items, cells_.capacity, 0, worse);
+    sift_down(items, cells_.capacity, 0, kByScore);
   }
 }
 

@@ -64,7 +64,6 @@ class ScoreRows {
 template <class Lanes>
 int detect_corners(const ImageView& image, const Rect& rect, int threshold,
                    const cairn::detail::FastBuffers& buffers, CornerSink& sink) {
-  const Circle circle(image.stride);
   ScoreRows rows(buffers, rect.width());
   int candidates = 0;
   for (int y = rect.y0; y <= rect.y1; ++y) {
@@ -72,7 +71,7 @@ int detect_corners(const ImageView& image, const Rect& rect, int threshold,
     if (y < rect.y1) {
       const std::uint8_t* const first = image.row(y) + rect.x0;
       if (rect.width() >= Lanes::kCount) {
-        scan_row<Lanes>(first, circle, rect.width(), threshold, rows.current());
+        scan_row<Lanes>(first, image.stride, rect.width(), threshold, rows.current());
       } else {
         scan_short_row<Lanes>(first, image.stride, rect.width(), threshold, rows.current());
       }

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "lanes.hpp"
 
@@ -10,19 +11,26 @@ namespace cairn::vision {
 
 inline constexpr int kCircleRadius = 3;
 
-/// Offsets of the 16 circle points (Bresenham, radius 3) in one image, clockwise from below as
-/// OpenCV numbers them; point k + 8 is opposite to point k.
-struct Circle {
-  std::ptrdiff_t offset[16];
+/// Point `K` of the circle (Bresenham, radius 3) around `p`, clockwise from below as OpenCV numbers
+/// them; point K + 8 is opposite to point K.
+template <int K>
+inline const std::uint8_t* circle_point(const std::uint8_t* p, std::ptrdiff_t stride) {
+  constexpr int kDx[8] = {0, 1, 2, 3, 3, 3, 2, 1};
+  constexpr int kDy[8] = {3, 3, 2, 1, 0, -1, -2, -3};
+  constexpr int kSign = K < 8 ? 1 : -1;
+  return p + kSign * kDy[K & 7] * stride + kSign * kDx[K & 7];
+}
 
-  explicit Circle(std::ptrdiff_t stride) {
-    constexpr int kDx[8] = {0, 1, 2, 3, 3, 3, 2, 1};
-    constexpr int kDy[8] = {3, 3, 2, 1, 0, -1, -2, -3};
-    for (int k = 0; k < 8; ++k) {
-      offset[k] = kDy[k] * stride + kDx[k];
-      offset[k + 8] = -offset[k];
-    }
-  }
+/// Distances between rows, in bytes.
+struct RowSteps {
+  std::ptrdiff_t one;
+  std::ptrdiff_t three;
+  std::ptrdiff_t minus_three;
+
+  explicit RowSteps(std::ptrdiff_t stride)
+      : one(stride),
+        three(keep_in_register(3 * stride)),
+        minus_three(keep_in_register(-3 * stride)) {}
 };
 
 /// What is left of the corner test after some antipodal pairs. Nine contiguous circle points hold
@@ -39,10 +47,11 @@ class AntipodalFilter {
         dark_limit_(Lanes::subtract_saturated(centre, threshold)) {
     Lanes::sort(a, b, least_maximum_, largest_minimum_);
   }
-  void add_pair(Pixels a, Pixels b) {
+  /// Opposite points of the circle.
+  void add_pair(const std::uint8_t* a, const std::uint8_t* b) {
     Pixels high;
     Pixels low;
-    Lanes::sort(a, b, high, low);
+    Lanes::sort(Lanes::load(a), Lanes::load(b), high, low);
     least_maximum_ = Lanes::min(least_maximum_, high);
     largest_minimum_ = Lanes::max(largest_minimum_, low);
   }
@@ -58,17 +67,23 @@ class AntipodalFilter {
   Pixels largest_minimum_;
 };
 
+template <class Lanes, int... K>
+inline void load_circle(const std::uint8_t* p, std::ptrdiff_t stride,
+                        typename Lanes::Pixels* points, std::integer_sequence<int, K...>) {
+  ((points[K] = Lanes::load(circle_point<K>(p, stride))), ...);
+}
+
 /// Score + 1 of every lane (0 where it is not a corner at any threshold): the largest over the 16
 /// arcs of nine points of the arc's least brightness above the centre, or of the centre above its
 /// greatest. Runs of 2, 4, 8 points are shared between arcs.
 template <class Lanes>
-typename Lanes::Pixels arc_score_plus_one(const std::uint8_t* p, const Circle& circle,
+typename Lanes::Pixels arc_score_plus_one(const std::uint8_t* p, std::ptrdiff_t stride,
                                           typename Lanes::Pixels centre) {
   using Pixels = typename Lanes::Pixels;
   Pixels point[16];
   Pixels low2[16];
   Pixels high2[16];
-  for (int k = 0; k < 16; ++k) point[k] = Lanes::load(p + circle.offset[k]);
+  load_circle<Lanes>(p, stride, point, std::make_integer_sequence<int, 16>());
   for (int k = 0; k < 16; ++k) {
     low2[k] = Lanes::min(point[k], point[(k + 1) & 15]);
     high2[k] = Lanes::max(point[k], point[(k + 1) & 15]);
@@ -102,15 +117,21 @@ struct ScoreRow {
   }
 };
 
+/// Lanes that pass the antipodal test of all eight pairs, nonzero in the polarity they pass in.
+template <class Lanes>
+struct Survivors {
+  typename Lanes::Pixels bright;
+  typename Lanes::Pixels dark;
+};
+
 /// Scores of every corner among the kCount pixels at `p`, which are columns x.. of `row`.
 template <class Lanes>
 struct BlockScorer {
-  using Pixels = typename Lanes::Pixels;
-
-  static void score(const std::uint8_t* p, const Circle& circle, Pixels centre, Pixels threshold,
-                    const AntipodalFilter<Lanes>& /*filter*/, int x, ScoreRow row) {
-    const Pixels plus_one = arc_score_plus_one<Lanes>(p, circle, centre);
-    std::uint32_t corners = Lanes::nonzero_mask(Lanes::subtract_saturated(plus_one, threshold));
+  static void score(const std::uint8_t* p, std::ptrdiff_t stride, int threshold,
+                    const Survivors<Lanes>& /*survivors*/, int x, ScoreRow row) {
+    const auto plus_one = arc_score_plus_one<Lanes>(p, stride, Lanes::load(p));
+    std::uint32_t corners =
+        Lanes::nonzero_mask(Lanes::subtract_saturated(plus_one, Lanes::splat(threshold)));
     if (corners == 0) return;
     std::uint8_t scores[Lanes::kCount];
     Lanes::store(scores, plus_one);
@@ -125,11 +146,30 @@ struct BlockScorer {
 /// surviving pixel at a time is spread over four words instead, and its 16 arcs run in the lanes.
 template <>
 struct BlockScorer<WordLanes> {
-  static std::uint32_t gather(const std::uint8_t* p, const std::ptrdiff_t* offset) {
-    return static_cast<std::uint32_t>(p[offset[0]]) |
-           static_cast<std::uint32_t>(p[offset[1]]) << 8U |
-           static_cast<std::uint32_t>(p[offset[2]]) << 16U |
-           static_cast<std::uint32_t>(p[offset[3]]) << 24U;
+  /// The circle of one pixel, four points to a word. Three points lie side by side in the outermost
+  /// rows: one load each.
+  struct Ring {
+    std::uint32_t w0;
+    std::uint32_t w1;
+    std::uint32_t w2;
+    std::uint32_t w3;
+  };
+  static Ring gather(const std::uint8_t* p, std::ptrdiff_t stride) {
+    const auto bytes = [](std::uint32_t b0, std::uint32_t b1, std::uint32_t b2, std::uint32_t b3) {
+      return b0 | b1 << 8U | b2 << 16U | b3 << 24U;
+    };
+    const std::uint8_t* const below2 = keep_in_register(p + 2 * stride);
+    const std::uint8_t* const above2 = keep_in_register(p - 2 * stride);
+    const std::uint8_t* const below1 = keep_in_register(p + stride);
+    const std::uint8_t* const above1 = keep_in_register(p - stride);
+    // Bytes 0 to 2: points 15, 0, 1 and 7, 8, 9. The words end at the pixel column that the
+    // rightmost point of the circle reaches.
+    const std::uint32_t below3 = WordLanes::load(below2 + stride - 1);
+    const std::uint32_t above3 = __builtin_bswap32(WordLanes::load(above2 - stride - 1)) >> 8U;
+    return {(below3 >> 8U & 0xFFFFU) | bytes(0, 0, below2[2], below1[3]),
+            bytes(p[3], above1[3], above2[2], above3),
+            (above3 >> 8U & 0xFFFFU) | bytes(0, 0, above2[-2], above1[-3]),
+            bytes(p[-3], below1[-3], below2[-2], below3)};
   }
   /// Points k + 1 and k + 2 of the four points k in `a`, where `b` holds the next four.
   static std::uint32_t shift1(std::uint32_t a, std::uint32_t b) { return a >> 8U | b << 24U; }
@@ -156,71 +196,77 @@ struct BlockScorer<WordLanes> {
     return static_cast<int>(best & 0xFFU);
   }
 
-  static void score(const std::uint8_t* p, const Circle& circle, std::uint32_t /*centre*/,
-                    std::uint32_t threshold, const AntipodalFilter<WordLanes>& filter, int x,
-                    ScoreRow row) {
-    const int limit = static_cast<int>(threshold & 0xFFU);
-    std::uint32_t bright = filter.bright();
-    std::uint32_t dark = filter.dark();
-    for (int lane = 0; lane < 4; ++lane, bright >>= 8U, dark >>= 8U) {
-      if (((bright | dark) & 0xFFU) == 0) continue;
-      const std::uint8_t* q = p + lane;
-      const int centre = *q;
-      const std::uint32_t w0 = gather(q, circle.offset);
-      const std::uint32_t w1 = gather(q, circle.offset + 4);
-      const std::uint32_t w2 = gather(q, circle.offset + 8);
-      const std::uint32_t w3 = gather(q, circle.offset + 12);
+  __attribute__((noinline)) static void score(const std::uint8_t* p, std::ptrdiff_t stride,
+                                              int threshold, const Survivors<WordLanes>& survivors,
+                                              int x, ScoreRow row) {
+    std::uint32_t left = survivors.bright | survivors.dark;
+    do {
+      const auto shift = static_cast<unsigned>(__builtin_ctz(left)) & 24U;
+      left &= ~(0xFFU << shift);
+      const int lane = static_cast<int>(shift >> 3U);
+      const int centre = p[lane];
+      const Ring ring = gather(p + lane, stride);
       int best = 0;
-      if ((bright & 0xFFU) != 0) best = largest_arc_minimum(w0, w1, w2, w3) - centre;
-      if (best <= limit && (dark & 0xFFU) != 0) {
-        best = centre - (255 - largest_arc_minimum(~w0, ~w1, ~w2, ~w3));
+      if ((survivors.bright >> shift & 0xFFU) != 0) {
+        best = largest_arc_minimum(ring.w0, ring.w1, ring.w2, ring.w3) - centre;
       }
-      if (best > limit) row.set(x + lane, best - 1);
-    }
+      if (best <= threshold && (survivors.dark >> shift & 0xFFU) != 0) {
+        best = centre - 255 + largest_arc_minimum(~ring.w0, ~ring.w1, ~ring.w2, ~ring.w3);
+      }
+      if (best > threshold) row.set(x + lane, best - 1);
+    } while (left != 0);
   }
 };
 
-/// Corners and scores of the `Lanes::kCount` pixels at `p`.
+/// False when no lane survives.
 template <class Lanes>
-inline void scan_block(const std::uint8_t* p, const Circle& circle,
-                       typename Lanes::Pixels threshold, int x, ScoreRow row) {
-  const auto pair = [&](int k, typename Lanes::Pixels& a, typename Lanes::Pixels& b) {
-    a = Lanes::load(p + circle.offset[k]);
-    b = Lanes::load(p + circle.offset[k + 8]);
-  };
-  typename Lanes::Pixels a;
-  typename Lanes::Pixels b;
-  const typename Lanes::Pixels centre = Lanes::load(p);
-  pair(0, a, b);
-  AntipodalFilter<Lanes> filter(centre, threshold, a, b);
-  if (filter.rejects()) return;
+__attribute__((always_inline)) inline bool find_survivors(const std::uint8_t* p,
+                                                          const RowSteps& steps,
+                                                          typename Lanes::Pixels threshold,
+                                                          Survivors<Lanes>& survivors) {
+  AntipodalFilter<Lanes> filter(Lanes::load(p), threshold, Lanes::load(p + steps.three),
+                                Lanes::load(p + steps.minus_three));
+  if (filter.rejects()) return false;
   // Pairs far apart on the circle first: they reject most.
-  constexpr int kStages[4][2] = {{4, 4}, {2, 6}, {1, 3}, {5, 7}};
-  for (const auto& stage : kStages) {
-    pair(stage[0], a, b);
-    filter.add_pair(a, b);
-    if (stage[1] != stage[0]) {
-      pair(stage[1], a, b);
-      filter.add_pair(a, b);
-    }
-    if (filter.rejects()) return;
-  }
-  BlockScorer<Lanes>::score(p, circle, centre, threshold, filter, x, row);
+  filter.add_pair(p + 3, p - 3);
+  if (filter.rejects()) return false;
+  const std::uint8_t* const below2 = keep_in_register(p + 2 * steps.one);
+  const std::uint8_t* const above2 = keep_in_register(p - 2 * steps.one);
+  filter.add_pair(below2 + 2, above2 - 2);
+  filter.add_pair(above2 + 2, below2 - 2);
+  if (filter.rejects()) return false;
+  const std::uint8_t* const below3 = keep_in_register(p + steps.three);
+  const std::uint8_t* const above3 = keep_in_register(p + steps.minus_three);
+  const std::uint8_t* const below1 = keep_in_register(p + steps.one);
+  const std::uint8_t* const above1 = keep_in_register(p - steps.one);
+  filter.add_pair(below3 + 1, above3 - 1);
+  filter.add_pair(below1 + 3, above1 - 3);
+  if (filter.rejects()) return false;
+  filter.add_pair(above1 + 3, below1 - 3);
+  filter.add_pair(above3 + 1, below3 - 1);
+  survivors = {filter.bright(), filter.dark()};
+  return !Lanes::none(Lanes::either(survivors.bright, survivors.dark));
 }
 
 /// Corners and scores of `count` >= kCount pixels from `first` on. The last block is moved back to
 /// end at the last pixel; what it sees twice it scores twice the same.
 template <class Lanes>
-void scan_row(const std::uint8_t* first, const Circle& circle, int count, int threshold,
+void scan_row(const std::uint8_t* first, std::ptrdiff_t stride, int count, int threshold,
               ScoreRow row) {
   const auto limit = Lanes::splat(threshold);
-  int x = 0;
-  for (; x + Lanes::kCount <= count; x += Lanes::kCount) {
-    scan_block<Lanes>(first + x, circle, limit, x, row);
-  }
-  if (x < count) {
-    x = count - Lanes::kCount;
-    scan_block<Lanes>(first + x, circle, limit, x, row);
+  const RowSteps steps(stride);
+  const std::uint8_t* const last = first + count - Lanes::kCount;
+  const std::uint8_t* p = first;
+  while (true) {
+    for (; p <= last; p += Lanes::kCount) {
+      Survivors<Lanes> survivors;
+      if (find_survivors<Lanes>(p, steps, limit, survivors)) {
+        BlockScorer<Lanes>::score(p, stride, threshold, survivors, static_cast<int>(p - first),
+                                  row);
+      }
+    }
+    if (p == last + Lanes::kCount) return;
+    p = last;
   }
 }
 
@@ -238,8 +284,8 @@ void scan_short_row(const std::uint8_t* first, std::ptrdiff_t stride, int count,
   }
   std::uint8_t scores[Lanes::kCount] = {};
   std::uint32_t bits = 0;
-  scan_row<Lanes>(window + kCircleRadius * kPitch + kCircleRadius, Circle(kPitch), Lanes::kCount,
-                  threshold, {scores, &bits});
+  scan_row<Lanes>(window + kCircleRadius * kPitch + kCircleRadius, kPitch, Lanes::kCount, threshold,
+                  {scores, &bits});
   std::memcpy(row.scores, scores, static_cast<std::size_t>(count));
   row.corner_bits[0] = bits & ((1U << static_cast<unsigned>(count)) - 1U);
 }

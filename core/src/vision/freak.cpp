@@ -8,7 +8,7 @@ namespace cairn {
 namespace vision {
 namespace {
 
-/// Rounds a position to what a float can hold: from 256 px on its last bit is above 2^-18.
+/// Rounds a position to what a float can hold: from 64 px on its last bit is above 2^-18.
 __attribute__((noinline)) std::int32_t round_as_float(std::int32_t v) {
   const int shift = 8 - __builtin_clz(static_cast<std::uint32_t>(v));
   if (shift <= 0) return v;
@@ -19,15 +19,18 @@ __attribute__((noinline)) std::int32_t round_as_float(std::int32_t v) {
 }  // namespace
 
 Interval special_interval(int coordinate, std::int32_t offset, std::int32_t reach, int ring) {
-  const std::int32_t position = round_as_float(coordinate * kOnePixel + offset);
-  const std::int32_t edge = round_as_float(position - reach);
-  const std::int32_t end = round_as_float(round_as_float(position + reach) + kOnePixel);
-  int begin = round_biased(edge + kRoundingBias);
-  if (ring == 4 && coordinate < 1000 && is_special_coordinate(coordinate) &&
-      (edge & (kOnePixel - 1)) == kOnePixel / 2) {
-    begin = (edge >> kPositionBits) | 1;
+  std::int32_t position = coordinate * kOnePixel + offset;
+  std::int32_t begin = position - reach;
+  std::int32_t end = position + reach + kOnePixel;
+  if (coordinate >= kFarCoordinate) {
+    position = round_as_float(position);
+    begin = round_as_float(position - reach);
+    end = round_as_float(round_as_float(position + reach) + kOnePixel);
+  } else if (ring == 4 && is_special_coordinate(coordinate) &&
+             (begin & (kOnePixel - 1)) == kOnePixel / 2) {
+    begin = (begin | kOnePixel) & -kOnePixel;  // to the odd neighbour
   }
-  return {begin, round_biased(end + kRoundingBias)};
+  return {round_biased(begin + kRoundingBias), round_biased(end + kRoundingBias)};
 }
 
 int orientation_bin_of(int dx, int dy) {

@@ -74,11 +74,12 @@ struct Interval {
 /// grid. Nearer, only one tie ever falls on the other side (ring 4, offset - reach = -5.5 px,
 /// coordinates just above a power of two). That these are all, for every orientation and
 /// coordinate up to 4,096 at scale index 0, freak_geometry_test shows.
+inline constexpr int kFarCoordinate = 1000;
 constexpr bool is_special_coordinate(int coordinate) {
-  return coordinate >= 1000 || coordinate == 37 || coordinate == 68 || coordinate == 133 ||
-         coordinate == 260 || coordinate == 517;
+  return coordinate >= kFarCoordinate || coordinate == 37 || coordinate == 68 ||
+         coordinate == 133 || coordinate == 260 || coordinate == 517;
 }
-/// The box along one axis in these cases. Right for all others too, but slow.
+/// The box along one axis, with these cases.
 Interval special_interval(int coordinate, std::int32_t offset, std::int32_t reach, int ring);
 
 /// Mean grey values of the 43 points, rounded.

@@ -8,6 +8,16 @@
 
 namespace cairn::vision {
 
+/// Hides what `value` is from the optimiser, which on Thumb would rather compute it anew, or load
+/// it from the stack, than keep it.
+template <class T>
+inline T keep_in_register(T value) {
+#if defined(__thumb__)
+  __asm__("" : "+r"(value));
+#endif
+  return value;
+}
+
 /// Four unsigned bytes in a 32-bit word, as the DSP extension of Armv7E-M and Armv8-M works on
 /// them. Where it is missing the same functions are plain C++, so that code written for the board
 /// is tested on the host.
