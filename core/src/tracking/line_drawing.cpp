@@ -132,11 +132,11 @@ int draw_line(const MutableImageView& image, const LineQ8& line, int width_q8, s
   const int v_count = steep ? image.width : image.height;
   const std::ptrdiff_t u_step = steep ? image.stride : 1;
   const std::ptrdiff_t v_step = steep ? 1 : image.stride;
-  const int first = clamp((u0 + kOne / 2) >> 8, 0, u_count - 1);
-  const int last = clamp((u1 + kOne / 2) >> 8, 0, u_count - 1);
+  const int first = clamp(static_cast<int>((u0 + kOne / 2) >> 8), 0, u_count - 1);
+  const int last = clamp(static_cast<int>((u1 + kOne / 2) >> 8), 0, u_count - 1);
   int written = 0;
   for (int u = first; u <= last; ++u) {
-    const std::int32_t at = clamp(u * kOne, u0, u1);
+    const std::int32_t at = clamp(static_cast<std::int32_t>(u * kOne), u0, u1);
     const std::int32_t v = u1 > u0 ? interpolate(v0, at, u0, v1 - v0, u1 - u0) : v0;
     written += draw_span(image.data + u * u_step, v_step, v_count, v - half, v + half, grey);
   }

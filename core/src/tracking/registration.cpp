@@ -9,8 +9,13 @@ struct Interval {
   float end = 1.0F;
 };
 
-/// What is left of an edge after cutting: at most one piece more than there are parts.
-using Pieces = FixedVector<Interval, VirtualObject::kMaxParts + 1>;
+/// What is left of an edge after cutting, in 1/65535 of its length: at most one piece more than
+/// there are parts.
+struct Piece {
+  std::uint16_t begin = 0;
+  std::uint16_t end = 65535;
+};
+using Pieces = FixedVector<Piece, VirtualObject::kMaxParts + 1>;
 
 struct HalfSpace {  // normal . p <= offset
   Vector3<float> normal;
@@ -78,9 +83,17 @@ bool inside_shadow(const Shadow& shadow, const Vector3<float>& a, const Vector3<
   return hidden.end > hidden.begin;
 }
 
-void cut(const Interval& hidden, Pieces& pieces) {
+std::uint16_t to_share(float t) {
+  return static_cast<std::uint16_t>(clamp(round_to_int(t * 65535.0F), 0, 65535));
+}
+float from_share(std::uint16_t share) {
+  return static_cast<float>(share) / 65535.0F;
+}
+
+void cut(const Interval& interval, Pieces& pieces) {
+  const Piece hidden{to_share(interval.begin), to_share(interval.end)};
   Pieces kept;
-  for (const Interval& piece : pieces) {
+  for (const Piece& piece : pieces) {
     if (hidden.end <= piece.begin || hidden.begin >= piece.end) {
       kept.push_back(piece);
       continue;
@@ -159,7 +172,7 @@ void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>
   for (int e = 0; e < part.edges.size(); ++e) {
     const ConvexPart::Edge& edge = part.edges[e];
     edges[e] = EdgePieces();
-    if (front[edge.face_left] || front[edge.face_right]) edges[e].pieces.push_back(Interval());
+    if (front[edge.face_left] || front[edge.face_right]) edges[e].pieces.push_back(Piece());
   }
   for (int q = 0; q < object.parts.size(); ++q) {
     Shadow shadow;
@@ -189,9 +202,9 @@ void draw_pass(const VirtualObject& object, const Vector3<float>& eye, Canvas& c
       const Vector3<float>& b = part.vertices[part.edges[e].b];
       report.edges += edges[e].pieces.empty() && !edges[e].cut ? 0 : 1;
       report.cut += edges[e].cut ? 1 : 0;
-      for (const Interval& piece : edges[e].pieces) {
-        draw_segment(canvas, Vector3<float>(a + piece.begin * (b - a)),
-                     Vector3<float>(a + piece.end * (b - a)));
+      for (const Piece& piece : edges[e].pieces) {
+        draw_segment(canvas, Vector3<float>(a + from_share(piece.begin) * (b - a)),
+                     Vector3<float>(a + from_share(piece.end) * (b - a)));
       }
     }
   }

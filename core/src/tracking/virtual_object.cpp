@@ -119,6 +119,22 @@ constexpr Stone kStones[] = {
 constexpr float kCornerTurn[kMaxCorners] = {0.00F, 1.12F, 2.05F, 3.10F, 4.25F, 5.20F};
 constexpr float kCornerReach[kMaxCorners] = {1.00F, 0.93F, 0.98F, 0.90F, 1.00F, 0.95F};
 
+Status make_stone(const Stone& stone, float height_m, float base_m, ConvexPart& part) {
+  Vector2<float> corners[kMaxCorners];
+  for (int k = 0; k < kMaxCorners; ++k) {
+    float s = 0.0F;
+    float c = 1.0F;
+    sin_cos(stone.turn_rad + kCornerTurn[k], s, c);
+    corners[k] = height_m * stone.width * kCornerReach[k] * Vector2<float>(c, s);
+  }
+  const Vector2<float> centre(height_m * stone.x, height_m * stone.y);
+  const float tall = height_m * stone.height;
+  const PartRing rings[kMaxRings] = {{0.80F, base_m, centre},
+                                     {1.00F, base_m + 0.45F * tall, centre},
+                                     {0.72F, base_m + tall, centre}};
+  return make_ring_part(corners, kMaxCorners, rings, kMaxRings, part);
+}
+
 }  // namespace
 
 Status make_ring_part(const Vector2<float>* corners, int corner_count, const PartRing* rings,
@@ -142,27 +158,18 @@ Status make_ring_part(const Vector2<float>* corners, int corner_count, const Par
 
 Status make_cairn(float height_m, VirtualObject& object) {
   if (!(height_m > 0.0F) || !is_finite(height_m)) return Status::kInvalidArgument;
-  VirtualObject built;
-  float base = 0.0F;
-  for (const Stone& stone : kStones) {
-    Vector2<float> corners[kMaxCorners];
-    for (int k = 0; k < kMaxCorners; ++k) {
-      float s = 0.0F;
-      float c = 1.0F;
-      sin_cos(stone.turn_rad + kCornerTurn[k], s, c);
-      corners[k] = height_m * stone.width * kCornerReach[k] * Vector2<float>(c, s);
+  // Twice, so that a height beyond what float can shape leaves the object as it was.
+  for (const bool store : {false, true}) {
+    if (store) object.parts.clear();
+    float base = 0.0F;
+    for (const Stone& stone : kStones) {
+      ConvexPart part;
+      const Status status = make_stone(stone, height_m, base, part);
+      if (!ok(status)) return status;
+      if (store) object.parts.push_back(part);
+      base += height_m * stone.height;
     }
-    const Vector2<float> centre(height_m * stone.x, height_m * stone.y);
-    const float tall = height_m * stone.height;
-    const PartRing rings[kMaxRings] = {
-        {0.80F, base, centre}, {1.00F, base + 0.45F * tall, centre}, {0.72F, base + tall, centre}};
-    ConvexPart part;
-    const Status status = make_ring_part(corners, kMaxCorners, rings, kMaxRings, part);
-    if (!ok(status)) return status;
-    built.parts.push_back(part);
-    base += tall;
   }
-  object = built;
   return Status::kOk;
 }
 
