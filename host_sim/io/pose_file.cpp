@@ -1,0 +1,95 @@
+#include "host_sim/io/pose_file.hpp"
+
+#include <cmath>
+
+#include <Eigen/SVD>
+#include <fmt/format.h>
+#include <fmt/os.h>
+
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/io/text_file.hpp"
+
+namespace cairn::host {
+namespace {
+
+constexpr const char* kTumFields = "t tx ty tz qx qy qz qw";
+
+Rigid<double> to_rigid(const std::vector<double>& rows, const std::filesystem::path& path,
+                       int line) {
+  Matrix3<double> matrix;
+  matrix << rows[0], rows[1], rows[2], rows[4], rows[5], rows[6], rows[8], rows[9], rows[10];
+  Rigid<double> pose;
+  if (!to_rotation(matrix, pose.rotation)) {
+    throw InputError(path, line, "expected a pose matrix whose left 3x3 block is a rotation");
+  }
+  pose.translation = {rows[3], rows[7], rows[11]};
+  return pose;
+}
+
+}  // namespace
+
+bool to_rotation(const Matrix3<double>& matrix, Quaternion<double>& rotation) {
+  const Matrix3<double> error = matrix.transpose() * matrix - Matrix3<double>::Identity();
+  if (!(error.cwiseAbs().maxCoeff() < 0.05) || matrix.determinant() < 0.0) return false;
+  const Eigen::JacobiSVD<Matrix3<double>> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Matrix3<double> nearest = svd.matrixU() * svd.matrixV().transpose();
+  rotation = Quaternion<double>(nearest).normalized();
+  if (rotation.w() < 0.0) rotation.coeffs() = -rotation.coeffs();
+  return true;
+}
+
+std::vector<TimedPose> read_tum(const std::filesystem::path& path) {
+  std::vector<TimedPose> poses;
+  for (const TextLine& line : read_lines(path)) {
+    const std::vector<double> v = parse_numbers(line, 8, path, kTumFields);
+    TimedPose timed;
+    timed.t_us = std::llround(1e6 * v[0]);
+    timed.pose.translation = {v[1], v[2], v[3]};
+    timed.pose.rotation = Quaternion<double>(v[7], v[4], v[5], v[6]);
+    if (std::abs(timed.pose.rotation.norm() - 1.0) > 0.01) {
+      throw InputError(path, line.number, "expected a unit quaternion qx qy qz qw");
+    }
+    timed.pose.rotation.normalize();
+    if (!poses.empty() && timed.t_us <= poses.back().t_us) {
+      throw InputError(path, line.number, "expected times in increasing order");
+    }
+    poses.push_back(timed);
+  }
+  if (poses.empty()) throw InputError(path, fmt::format("expected lines of {}", kTumFields));
+  return poses;
+}
+
+Rigid<double> read_matrix_pose(const std::filesystem::path& path) {
+  const std::vector<TextLine> lines = read_lines(path);
+  if (lines.size() != 4) {
+    throw InputError(path, fmt::format("expected a 4x4 matrix in 4 lines, found {}", lines.size()));
+  }
+  std::vector<double> rows;
+  for (const TextLine& line : lines) {
+    const std::vector<double> row = parse_numbers(line, 4, path, "a row of a 4x4 matrix");
+    rows.insert(rows.end(), row.begin(), row.end());
+  }
+  return to_rigid(rows, path, lines.front().number);
+}
+
+std::vector<Rigid<double>> read_kitti_poses(const std::filesystem::path& path) {
+  std::vector<Rigid<double>> poses;
+  for (const TextLine& line : read_lines(path)) {
+    poses.push_back(
+        to_rigid(parse_numbers(line, 12, path, "a 3x4 pose matrix"), path, line.number));
+  }
+  if (poses.empty()) throw InputError(path, "expected a 3x4 pose matrix a line");
+  return poses;
+}
+
+void write_tum(const std::filesystem::path& path, const std::vector<TimedPose>& poses) {
+  auto file = fmt::output_file(path.string());
+  for (const TimedPose& timed : poses) {
+    const Vector3<double>& p = timed.pose.translation;
+    const Quaternion<double>& q = timed.pose.rotation;
+    file.print("{}.{:06d} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", timed.t_us / 1000000,
+               timed.t_us % 1000000, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+  }
+}
+
+}  // namespace cairn::host

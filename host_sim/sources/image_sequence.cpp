@@ -1,0 +1,60 @@
+#include "host_sim/sources/image_sequence.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "host_sim/io/image_file.hpp"
+#include "host_sim/io/input_error.hpp"
+
+namespace cairn::host {
+namespace {
+
+class ImageSequence final : public FrameSource {
+ public:
+  ImageSequence(SourceInfo info, std::vector<SequenceFrame> frames)
+      : info_(std::move(info)), frames_(std::move(frames)) {
+    info_.frame_count = static_cast<int>(frames_.size());
+    for (const SequenceFrame& frame : frames_) info_.inputs.push_back(frame.image);
+  }
+
+  const SourceInfo& info() const override { return info_; }
+
+  bool next(Frame& frame) override {
+    if (position_ == frames_.size()) return false;
+    const SequenceFrame& entry = frames_[position_++];
+    cv::Mat storage = frame.grey;
+    frame = entry.known;
+    frame.grey = storage;
+    read_grey_image(entry.image, {info_.camera.width, info_.camera.height}, frame.grey);
+    return true;
+  }
+
+ private:
+  SourceInfo info_;
+  std::vector<SequenceFrame> frames_;
+  std::size_t position_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<SequenceFrame> frames,
+                                                 const FrameRange& range,
+                                                 const std::filesystem::path& where) {
+  const auto before_range = [&](const SequenceFrame& frame) {
+    return range.first.has_value() && frame.known.number < *range.first;
+  };
+  frames.erase(std::remove_if(frames.begin(), frames.end(), before_range), frames.end());
+  if (frames.empty()) {
+    throw InputError(where, fmt::format("expected frames from number {} on, found none",
+                                        range.first.value_or(0)));
+  }
+  if (range.count.has_value() && static_cast<std::size_t>(*range.count) < frames.size()) {
+    frames.erase(frames.begin() + *range.count, frames.end());
+  }
+  frames.front().known.odometry.clear();
+  return std::make_unique<ImageSequence>(std::move(info), std::move(frames));
+}
+
+}  // namespace cairn::host
