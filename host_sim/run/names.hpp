@@ -1,0 +1,41 @@
+#pragma once
+
+#include "cairn/runtime/frame_report.hpp"
+#include "cairn/runtime/ticks.hpp"
+
+namespace cairn::host {
+
+/// Lower-case name of a state, for files and captions.
+inline const char* to_string(TrackingState state) {
+  switch (state) {
+    case TrackingState::kInitialising:
+      return "initialising";
+    case TrackingState::kTracking:
+      return "tracking";
+    case TrackingState::kUncertain:
+      return "uncertain";
+    default:
+      return "lost";
+  }
+}
+
+/// A row of paper A's Table 1: its key in files, its name there, and its time on the paper's
+/// desktop PC.
+struct StageRow {
+  const char* key;
+  const char* name;
+  double paper_iekf_ms;
+  double paper_ekf_ms;
+};
+
+inline constexpr StageRow kStageRows[kStageCount] = {
+    {"preprocess", "image preprocessing", 1.20, 1.20},
+    {"pose_prediction", "camera pose estimation", 23.05, 19.26},
+    {"features", "feature extraction and matching", 6.40, 6.40},
+    {"pose_update", "camera pose calculation", 9.70, 9.70},
+    {"render", "rendering and registration", 1.22, 1.22},
+};
+inline constexpr double kPaperTotalMs = 41.57;
+inline constexpr double kPaperEkfTotalMs = 37.78;
+
+}  // namespace cairn::host

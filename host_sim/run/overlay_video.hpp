@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <opencv2/videoio.hpp>
+
+namespace cairn::host {
+
+/// The overlay video: what the core drew, in colour on the grey frame, with a caption. Tries H.264
+/// and MPEG-4 in overlay.mp4, then Motion JPEG in overlay.avi.
+class OverlayVideo {
+ public:
+  OverlayVideo(const std::filesystem::path& folder, double frame_rate_hz, const cv::Size& size);
+
+  /// The picture of a frame: `drawn` is `grey` with the virtual object drawn into it.
+  static cv::Mat compose(const cv::Mat& grey, const cv::Mat& drawn, const std::string& caption);
+
+  void write(const cv::Mat& picture);
+  /// Empty when no encoder was found.
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  cv::VideoWriter writer_;
+};
+
+}  // namespace cairn::host

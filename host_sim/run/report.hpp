@@ -1,0 +1,14 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace cairn::host {
+
+/// Makes report.html of a finished run from the files in `folder` (matplotlib through python3).
+/// Nothing on success, else a message that says what is missing: the run itself is complete
+/// without.
+std::optional<std::string> write_report(const std::filesystem::path& folder);
+
+}  // namespace cairn::host

@@ -1,0 +1,155 @@
+#include "host_sim/run/runner.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <unistd.h>
+
+#include <Eigen/LU>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "cairn/numeric/hash.hpp"
+
+#include "host_sim/run/host_ticks.hpp"
+#include "host_sim/run/names.hpp"
+#include "host_sim/run/overlay_video.hpp"
+#include "host_sim/run/report_hash.hpp"
+
+namespace cairn::host {
+namespace {
+
+std::optional<double> nees_of(const PlanarPoseEstimate& estimate, const Rigid<double>& truth) {
+  const Vector3<double> forward = truth.rotation * Vector3<double>::UnitX();
+  const Vector3<double> error(
+      estimate.x_m - truth.translation.x(), estimate.y_m - truth.translation.y(),
+      wrap_angle(estimate.theta_rad - cairn::atan2(forward.y(), forward.x())));
+  const double determinant = estimate.covariance.determinant();
+  if (!(determinant > 0.0)) return std::nullopt;
+  const double nees = error.dot(estimate.covariance.inverse() * error);
+  return std::isfinite(nees) && nees >= 0.0 ? std::optional<double>(nees) : std::nullopt;
+}
+
+class Progress {
+ public:
+  Progress(std::string name, std::optional<int> total)
+      : name_(std::move(name)), total_(total), shown_(isatty(STDERR_FILENO) != 0) {}
+  ~Progress() {
+    if (shown_) fmt::print(stderr, "\r{:70}\r", "");
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(int done, const FrameRecord& frame) {
+    if (!shown_ || done % 10 != 0) return;
+    const std::string of = total_.has_value() ? fmt::format("/{}", *total_) : std::string();
+    fmt::print(stderr, "\r{}: frame {}{}  {}  {} landmarks  {:.2f} ms   ", name_, done, of,
+               to_string(frame.report.state), frame.report.landmarks, frame.total_ms);
+  }
+
+ private:
+  std::string name_;
+  std::optional<int> total_;
+  bool shown_;
+};
+
+class FrameLoop {
+ public:
+  FrameLoop(FrameSource& source, Tracker& tracker, const RunnerSettings& settings)
+      : source_(source),
+        tracker_(tracker),
+        settings_(settings),
+        progress_(source.info().name, source.info().frame_count) {
+    const int expected = source.info().frame_count.value_or(600);
+    picture_step_ = std::max(1, expected / std::max(1, settings.pictures));
+  }
+
+  RunRecord run(Frame& frame) {
+    do {
+      process(frame);
+    } while (source_.next(frame));
+    record_.landmarks = tracker_.landmarks();
+    record_.landmark_capacity = tracker_.landmark_capacity();
+    record_.health = tracker_.health();
+    record_.tracker = tracker_.description();
+    record_.log_hash = hash_.value();
+    if (video_ != nullptr) record_.overlay = video_->path();
+    return std::move(record_);
+  }
+
+ private:
+  void process(const Frame& frame) {
+    FrameRecord entry;
+    entry.number = frame.number;
+    frame.grey.copyTo(overlay_);
+    const auto start = std::chrono::steady_clock::now();
+    entry.report.status = tracker_.process(frame, overlay_, entry.report);
+    const auto end = std::chrono::steady_clock::now();
+    entry.total_ms = std::chrono::duration<double, std::milli>(end - start).count();
+    for (int i = 0; i < kStageCount; ++i) {
+      entry.stage_ms[i] = entry.report.stage_ticks[i] / kHostTicksPerMs;
+    }
+    entry.true_T_world_camera = frame.true_T_world_camera;
+    entry.true_T_world_vehicle = frame.true_T_world_vehicle;
+    entry.vehicle = tracker_.vehicle_pose();
+    if (entry.vehicle.has_value() && frame.true_T_world_vehicle.has_value()) {
+      entry.nees = nees_of(*entry.vehicle, *frame.true_T_world_vehicle);
+    }
+    add_to_hash(hash_, entry.report);
+    RegistrationInput registration;
+    registration.views = frame.scene_points;
+    if (entry.has_pose()) registration.T_world_camera = to_double(entry.report.T_world_camera);
+    record_.registration_input.push_back(std::move(registration));
+    draw(frame, entry);
+    record_.frames.push_back(entry);
+    progress_.show(static_cast<int>(record_.frames.size()), entry);
+  }
+
+  static Rigid<double> to_double(const Rigid<float>& pose) {
+    return {pose.rotation.cast<double>().normalized(), pose.translation.cast<double>()};
+  }
+
+  void draw(const Frame& frame, const FrameRecord& entry) {
+    const std::size_t done = record_.frames.size();
+    const bool keep = done % static_cast<std::size_t>(picture_step_) ==
+                      static_cast<std::size_t>(picture_step_ / 2);
+    if (!settings_.video && !keep) return;
+    const std::string caption =
+        fmt::format("frame {}  {}  {:.2f} ms  {} inliers  {} landmarks", frame.number,
+                    to_string(entry.report.state), entry.total_ms, entry.report.inliers,
+                    entry.report.landmarks);
+    const cv::Mat picture = OverlayVideo::compose(frame.grey, overlay_, caption);
+    if (settings_.video) {
+      if (video_ == nullptr) {
+        video_ = std::make_unique<OverlayVideo>(settings_.out, source_.info().frame_rate_hz,
+                                                picture.size());
+      }
+      video_->write(picture);
+    }
+    if (keep) {
+      const std::filesystem::path path =
+          settings_.out / fmt::format("overlay-{:06d}.png", frame.number);
+      cv::imwrite(path.string(), picture);
+      record_.pictures.push_back(path);
+    }
+  }
+
+  FrameSource& source_;
+  Tracker& tracker_;
+  const RunnerSettings& settings_;
+  Progress progress_;
+  RunRecord record_;
+  Hash64 hash_;
+  cv::Mat overlay_;
+  std::unique_ptr<OverlayVideo> video_;
+  int picture_step_ = 1;
+};
+
+}  // namespace
+
+RunRecord run_frames(FrameSource& source, Frame& first, Tracker& tracker,
+                     const RunnerSettings& settings) {
+  return FrameLoop(source, tracker, settings).run(first);
+}
+
+}  // namespace cairn::host
