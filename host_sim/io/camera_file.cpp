@@ -285,9 +285,10 @@ PinholeCamera<double> read_dialect(const Section& root) {
   }
   if (!root.first_of({"fx", "fy", "cx"}).empty()) return read_flat(root, "");
   if (!root.first_of({"px", "py", "u0"}).empty()) return read_visp(root);
-  root.fail("camera_matrix",
-            "missing; expected the focal lengths as camera_matrix (OpenCV, ROS), cam0.intrinsics "
-            "(Kalibr), fx, Camera.fx (ORB-SLAM), CameraCalibration (Open EKF Mono SLAM) or px (ViSP)");
+  root.fail(
+      "camera_matrix",
+      "missing; expected the focal lengths as camera_matrix (OpenCV, ROS), cam0.intrinsics "
+      "(Kalibr), fx, Camera.fx (ORB-SLAM), CameraCalibration (Open EKF Mono SLAM) or px (ViSP)");
 }
 
 std::optional<Rigid<double>> read_mounting(const Section& root) {

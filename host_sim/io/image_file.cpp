@@ -34,6 +34,22 @@ bool is_cut_short(const std::vector<char>& bytes) {
   return false;
 }
 
+std::optional<int> number_in(const std::string& name, const std::optional<std::string>& prefix,
+                             const std::string& suffix) {
+  if (name.size() <= suffix.size() ||
+      name.compare(name.size() - suffix.size(), suffix.size(), suffix) != 0) {
+    return std::nullopt;
+  }
+  const std::string stem = name.substr(0, name.size() - suffix.size());
+  const std::size_t digits = stem.find_last_not_of("0123456789") + 1;  // npos + 1 = 0
+  if (prefix.has_value() && stem.substr(0, digits) != *prefix) return std::nullopt;
+  int number = 0;
+  const char* end = stem.data() + stem.size();
+  const auto parsed = std::from_chars(stem.data() + digits, end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+  return number;
+}
+
 }  // namespace
 
 void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv::Mat& grey) {
@@ -46,7 +62,7 @@ void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv
     throw InputError(path, "expected a whole image; the file is cut short");
   }
   try {
-    cv::imdecode(bytes, cv::IMREAD_GRAYSCALE, &grey);
+    grey = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {
     grey.release();
   }
@@ -58,27 +74,19 @@ void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv
 }
 
 std::vector<NumberedFile> list_numbered_files(const std::filesystem::path& folder,
-                                              const std::string& prefix,
+                                              const std::optional<std::string>& prefix,
                                               const std::vector<std::string>& suffixes) {
   require_folder(folder, "a folder of images");
   std::vector<NumberedFile> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     const std::string name = entry.path().filename().string();
-    if (name.rfind(prefix, 0) != 0) continue;
     for (const std::string& suffix : suffixes) {
-      if (name.size() <= prefix.size() + suffix.size() ||
-          name.compare(name.size() - suffix.size(), suffix.size(), suffix) != 0) {
-        continue;
-      }
-      const char* begin = name.data() + prefix.size();
-      const char* end = name.data() + name.size() - suffix.size();
-      int number = 0;
-      const auto parsed = std::from_chars(begin, end, number);
-      if (parsed.ec == std::errc() && parsed.ptr == end) files.push_back({number, entry.path()});
+      const std::optional<int> number = number_in(name, prefix, suffix);
+      if (number.has_value()) files.push_back({*number, entry.path()});
     }
   }
   if (files.empty()) {
-    throw InputError(folder, fmt::format("expected images named {}NUMBER{}", prefix,
+    throw InputError(folder, fmt::format("expected images named {}NUMBER{}", prefix.value_or(""),
                                          fmt::join(suffixes, " or ")));
   }
   std::sort(files.begin(), files.end(), [](const NumberedFile& a, const NumberedFile& b) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -17,10 +19,11 @@ struct NumberedFile {
   std::filesystem::path path;
 };
 
-/// Files in `folder` whose name is `prefix`, digits and one of `suffixes`, by number. Numbers may
-/// start anywhere and have gaps. Throws InputError when there is none.
+/// Files in `folder` whose name is `prefix` (any, when there is none given), digits and one of
+/// `suffixes`, by number. Numbers may start anywhere and have gaps. Throws InputError when there is
+/// no such file.
 std::vector<NumberedFile> list_numbered_files(const std::filesystem::path& folder,
-                                              const std::string& prefix,
+                                              const std::optional<std::string>& prefix,
                                               const std::vector<std::string>& suffixes);
 
 }  // namespace cairn::host

@@ -13,6 +13,29 @@ double percentile(const std::vector<double>& sorted, double fraction) {
   return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
 }
 
+/// P(chi2_dof <= x): series of the regularised incomplete gamma function.
+double chi_square_probability(int dof, double x) {
+  const double a = 0.5 * dof;
+  const double z = 0.5 * x;
+  double term = 1.0 / a;
+  double sum = term;
+  for (int k = 1; k < 2000 && term > 1e-16 * sum; ++k) {
+    term *= z / (a + k);
+    sum += term;
+  }
+  return sum * std::exp(a * std::log(z) - z - std::lgamma(a));
+}
+
+double chi_square_quantile(int dof, double probability) {
+  double low = 0.0;
+  double high = dof + 20.0 * std::sqrt(2.0 * dof);
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (chi_square_probability(dof, middle) < probability ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
 }  // namespace
 
 Statistics statistics_of(std::vector<double> values) {
@@ -32,13 +55,7 @@ double share_above(const std::vector<double>& values, double limit) {
 }
 
 ChiSquareBand chi_square_band_95(int dof) {
-  constexpr double kNormal975 = 1.959963984540054;
-  const double spread = 2.0 / (9.0 * dof);
-  const auto quantile = [&](double z) {
-    const double root = 1.0 - spread + z * std::sqrt(spread);
-    return dof * root * root * root;
-  };
-  return {quantile(-kNormal975), quantile(kNormal975)};
+  return {chi_square_quantile(dof, 0.025), chi_square_quantile(dof, 0.975)};
 }
 
 }  // namespace cairn::host

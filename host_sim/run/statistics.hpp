@@ -1,9 +1,6 @@
 #pragma once
 
-#include <optional>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 namespace cairn::host {
 
@@ -23,8 +20,7 @@ Statistics statistics_of(std::vector<double> values);
 /// Share of `values` above `limit`, 0..1.
 double share_above(const std::vector<double>& values, double limit);
 
-/// Two-sided 95 % band of the chi-square distribution (Wilson and Hilferty 1931; within 1 % from
-/// two degrees of freedom on).
+/// Two-sided 95 % band of the chi-square distribution, dof >= 1.
 struct ChiSquareBand {
   double low = 0.0;
   double high = 0.0;

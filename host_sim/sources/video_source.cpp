@@ -100,7 +100,7 @@ class Media {
  public:
   explicit Media(const fs::path& path) : path_(path) {
     if (fs::is_directory(path)) {
-      files_ = list_numbered_files(path, "", {".png", ".jpg", ".jpeg", ".pgm", ".bmp"});
+      files_ = list_numbered_files(path, std::nullopt, {".png", ".jpg", ".jpeg", ".pgm", ".bmp"});
       return;
     }
     require_file(path, "a video file or a folder of numbered images");

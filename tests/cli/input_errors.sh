@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Inputs that are unreadable or invalid: exit code 3, and a message that names file, line or key and
+# says what was expected. Nothing is left in the output folder.
+. "$(dirname "$0")/support.sh"
+
+# A 32x24 grey picture without any tool: binary PGM.
+picture() {
+  { printf 'P5\n32 24\n255\n'; head -c 768 /dev/zero | tr '\0' 'd'; } >"$1"
+}
+mkdir -p "$work/pictures"
+for n in 3 4 5; do picture "$work/pictures/$n.pgm"; done
+cat >"$work/camera.yaml" <<'YAML'
+fx: 30
+fy: 30
+cx: 16
+cy: 12
+width: 32
+height: 24
+YAML
+
+# wrong paths
+expect 3 "nowhere: no such folder" run seven-scenes:nowhere --out out
+expect 3 "nowhere: no such folder" run tag-board:nowhere --out out
+expect 3 "nowhere: no such folder" run kitti:nowhere --out out
+expect 3 "nowhere: no such folder" run tum-rgbd:nowhere --out out
+expect 3 "nowhere|no such file|expected a video file or a folder" \
+  run video:nowhere --camera camera.yaml --out out
+expect 3 "none.yaml: no such file" run video:pictures --camera none.yaml --out out
+
+# a camera file without focal length, and one that is no YAML
+grep -v fx "$work/camera.yaml" >"$work/no_focal.yaml"
+expect 3 "no_focal.yaml|'fx'|missing|focal length" \
+  run video:pictures --camera no_focal.yaml --out out
+printf '%%YAML:1.0\nimage_width: 32\nimage_height: 24\n' >"$work/no_matrix.yaml"
+expect 3 "no_matrix.yaml|'camera_matrix'|missing|focal length" \
+  run video:pictures --camera no_matrix.yaml --out out
+printf 'a: [1, 2\n' >"$work/broken.yaml"
+expect 3 "broken.yaml:|expected YAML" run video:pictures --camera broken.yaml --out out
+
+# a CSV with a bad line
+printf 't_s,speed_mps,yaw_rate_radps\n0.0,1,0\n0.1,fast,0\n' >"$work/odometry.csv"
+expect 3 "odometry.csv:3|speed_mps|expected a number, found 'fast'" \
+  run video:pictures --camera camera.yaml --odometry odometry.csv --out out
+printf 'frame,t_us\n3,100\n4,90\n' >"$work/times.csv"
+expect 3 "times.csv:3|increasing" \
+  run video:pictures --camera camera.yaml --times times.csv --out out
+printf 'frame,when\n3,100\n' >"$work/times.csv"
+expect 3 "times.csv:1|column 't_s'" \
+  run video:pictures --camera camera.yaml --times times.csv --out out
+printf '0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n' >"$work/truth.tum"
+expect 3 "truth.tum:2|expected 8 numbers" \
+  run video:pictures --camera camera.yaml --truth truth.tum --out out
+
+# images: cut short, of another size, no image at all
+mkdir -p "$work/cut" "$work/text" "$work/scenes"
+printf '\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x20\0\0\0\x18\x08\0\0\0\0' >"$work/cut/1.png"
+expect 3 "cut/1.png|cut short" run video:cut --camera camera.yaml --out out
+echo "no picture" >"$work/text/1.png"
+expect 3 "text/1.png|expected an image" run video:text --camera camera.yaml --out out
+sed 's/width: 32/width: 64/; s/cx: 16/cx: 32/' "$work/camera.yaml" >"$work/wide.yaml"
+expect 3 "pictures/3.pgm|expected 64x24|found 32x24" \
+  run video:pictures --camera wide.yaml --out out
+cp "$work/cut/1.png" "$work/scenes/frame-000000.color.png"
+expect 3 "frame-000000.pose.txt: no such file" run seven-scenes:scenes --out out
+printf '1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n' >"$work/scenes/frame-000000.pose.txt"
+expect 3 "frame-000000.color.png|cut short" run seven-scenes:scenes --out out
+printf '1 0 0 0\n0 1 0\n0 0 1 0\n0 0 0 1\n' >"$work/scenes/frame-000000.pose.txt"
+expect 3 "frame-000000.pose.txt:2|expected 4 numbers" run seven-scenes:scenes --out out
+
+# no frame where frames were asked for
+expect 3 "pictures|number 90 on" run video:pictures --camera camera.yaml --first-frame 90 --out out
+
+if [ -e "$work/out" ]; then
+  echo "FAIL: a refused run left files in --out"
+  failures=$((failures + 1))
+fi
+finish

@@ -1,0 +1,218 @@
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "host_sim/io/pose_file.hpp"
+#include "host_sim/io/text_file.hpp"
+#include "host_sim/run/registration_error.hpp"
+#include "host_sim/run/report.hpp"
+#include "host_sim/run/run_outputs.hpp"
+#include "host_sim/run/runner.hpp"
+#include "host_sim/run/statistics.hpp"
+#include "host_sim/run/trajectory_evaluation.hpp"
+#include "host_sim/sources/hall_source.hpp"
+#include "host_sim/world/gaussian.hpp"
+#include "temporary_folder.hpp"
+#include "truth_tracker.hpp"
+
+namespace cairn::host {
+namespace {
+
+TEST(Statistics, NearestRankPercentiles) {
+  std::vector<double> values;
+  for (int i = 100; i >= 1; --i) values.push_back(i);
+  const Statistics s = statistics_of(values);
+  EXPECT_EQ(s.p50, 50.0);
+  EXPECT_EQ(s.p95, 95.0);
+  EXPECT_EQ(s.p99, 99.0);
+  EXPECT_EQ(s.max, 100.0);
+  EXPECT_EQ(s.mean, 50.5);
+  EXPECT_EQ(share_above(values, 41.57), 0.59);
+  EXPECT_EQ(statistics_of({}).n, 0);
+}
+
+TEST(Statistics, ChiSquareBandAgreesWithTables) {
+  EXPECT_NEAR(chi_square_band_95(3).low, 0.2158, 1e-3);
+  EXPECT_NEAR(chi_square_band_95(3).high, 9.3484, 1e-3);
+  EXPECT_NEAR(chi_square_band_95(40).low, 24.433, 2e-3);
+  EXPECT_NEAR(chi_square_band_95(40).high, 59.342, 2e-3);
+}
+
+std::vector<Rigid<double>> random_path(int count) {
+  GaussianRandom random(4);
+  std::vector<Rigid<double>> path;
+  for (int i = 0; i < count; ++i) {
+    path.push_back(
+        {rotation_exp(Vector3<double>(random.normal(), random.normal(), random.normal())),
+         {random.normal(), random.normal(), random.normal()}});
+  }
+  return path;
+}
+
+TEST(TrajectoryEvaluation, Sim3UndoesScaleRotationAndShift) {
+  const std::vector<Rigid<double>> truth = random_path(30);
+  const Rigid<double> T{rotation_exp(Vector3<double>(0.4, -1.0, 2.0)), {3.0, -4.0, 5.0}};
+  std::vector<Rigid<double>> estimate;
+  for (const Rigid<double>& pose : truth) {
+    Rigid<double> moved = T * pose;
+    moved.translation *= 0.25;
+    estimate.push_back(moved);
+  }
+  const auto sim3 = evaluate_trajectory(estimate, truth, Alignment::kSim3);
+  ASSERT_TRUE(sim3.has_value());
+  EXPECT_NEAR(sim3->scale, 4.0, 1e-9);
+  EXPECT_NEAR(sim3->ate_rmse_m, 0.0, 1e-9);
+  EXPECT_NEAR(sim3->rotation_rmse_deg, 0.0, 1e-6);
+  const auto se3 = evaluate_trajectory(estimate, truth, Alignment::kSe3);
+  EXPECT_GT(se3->ate_rmse_m, 0.5);
+  EXPECT_NEAR(se3->rotation_rmse_deg, 0.0, 1e-6);
+  EXPECT_FALSE(evaluate_trajectory({}, {}, Alignment::kStart).has_value());
+}
+
+TEST(TrajectoryEvaluation, StartComparesAsEstimated) {
+  std::vector<Rigid<double>> truth(5), estimate(5);
+  for (int i = 0; i < 5; ++i) {
+    truth[i].translation.x() = i;
+    estimate[i] = truth[i];
+    estimate[i].translation.y() = 0.1 * i;
+    estimate[i].rotation = rotation_exp(Vector3<double>(0.0, 0.0, 0.02));
+  }
+  const auto e = evaluate_trajectory(estimate, truth, Alignment::kStart);
+  EXPECT_NEAR(e->ate_rmse_m, 0.1 * std::sqrt(6.0), 1e-12);
+  EXPECT_NEAR(e->final_drift_m, 0.4, 1e-12);
+  EXPECT_NEAR(e->heading_rmse_deg, 0.02 * 180.0 / kPi<double>, 1e-9);
+  EXPECT_NEAR(e->rotation_rmse_deg, 0.0, 1e-6);  // a constant turn is an alignment
+}
+
+PinholeCamera<double> test_camera() {
+  PinholeCamera<double> camera;
+  camera.fx = camera.fy = 500.0;
+  camera.cx = 320.0;
+  camera.cy = 240.0;
+  camera.width = 640;
+  camera.height = 480;
+  return camera;
+}
+
+/// A camera that goes right past points 4 m and 6 m ahead; the estimate is `scale` times that.
+std::vector<RegistrationInput> sliding_camera(double scale, double jump_m) {
+  std::vector<RegistrationInput> frames;
+  const PinholeCamera<double> camera = test_camera();
+  for (int i = 0; i < 10; ++i) {
+    RegistrationInput frame;
+    Rigid<double> pose;
+    pose.translation.x() = scale * (0.1 * i + (i >= 5 ? jump_m : 0.0));
+    frame.T_world_camera = pose;
+    std::uint32_t id = 1;
+    for (const Vector3<double>& p :
+         {Vector3<double>(0.2, 0.1, 4.0), Vector3<double>(0.6, 0, 6.0)}) {
+      ScenePointView view;
+      view.id = id++;
+      view.p_camera = p - Vector3<double>(0.1 * i, 0.0, 0.0);
+      EXPECT_TRUE(ok(camera.project(view.p_camera, view.pixel)));
+      frame.views.push_back(view);
+    }
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+TEST(RegistrationError, ZeroForTheTruthAndExactForAJump) {
+  const RegistrationSettings settings;
+  const auto exact = evaluate_registration(sliding_camera(1.0, 0.0), test_camera(), settings);
+  EXPECT_EQ(exact.points, 2);
+  EXPECT_FALSE(exact.frame_px[0].has_value());  // anchored here
+  for (int i = 1; i < 10; ++i) EXPECT_NEAR(*exact.frame_px[i], 0.0, 1e-9);
+  const auto jump = evaluate_registration(sliding_camera(1.0, 0.04), test_camera(), settings);
+  EXPECT_NEAR(*jump.frame_px[4], 0.0, 1e-9);
+  EXPECT_NEAR(*jump.frame_px[5], 0.5 * (500 * 0.04 / 4.0 + 500 * 0.04 / 6.0), 1e-9);
+}
+
+TEST(RegistrationError, FindsTheOneScaleThatVideoDoesNotGive) {
+  RegistrationSettings settings;
+  settings.map_scale.reset();
+  const auto result = evaluate_registration(sliding_camera(0.37, 0.0), test_camera(), settings);
+  EXPECT_NEAR(result.map_scale, 0.37, 1e-4);
+  EXPECT_NEAR(*result.frame_px[9], 0.0, 0.01);
+}
+
+TEST(RegistrationError, LostFramesHaveNone) {
+  auto frames = sliding_camera(1.0, 0.0);
+  frames[3].T_world_camera.reset();
+  const auto result = evaluate_registration(frames, test_camera(), {});
+  EXPECT_FALSE(result.frame_px[3].has_value());
+  EXPECT_TRUE(result.frame_px[4].has_value());
+}
+
+struct HallRun {
+  RunRecord record;
+  SourceInfo info;
+};
+
+HallRun run_truth(const std::filesystem::path& out, double offset_m) {
+  HallOptions options;
+  options.width = 320;
+  options.frame_count = 20;
+  const auto source = make_hall_source(options);
+  TruthTracker tracker(source->info().T_vehicle_camera);
+  tracker.offset_from(10, offset_m);
+  Frame frame;
+  EXPECT_TRUE(source->next(frame));
+  RunnerSettings settings;
+  settings.out = out;
+  return {run_frames(*source, frame, tracker, settings), source->info()};
+}
+
+TEST(Runner, WritesTheContractsFilesWithTrueFigures) {
+  const TemporaryFolder folder;
+  const HallRun run = run_truth(folder.path(), 0.05);
+  const RegistrationResult registration =
+      evaluate_registration(run.record.registration_input, run.info.camera, {});
+  const RunTrajectory trajectory = evaluate_run(run.record, Mode::kVehicle);
+  const nlohmann::json summary = summarise(run.record, trajectory, registration, 41.57);
+  RunIdentity identity;
+  identity.source = "hall-small";
+  identity.options.filter = "truth";
+  write_manifest(folder.path(), identity, run.info, run.record);
+  write_frames(folder.path(), run.record, registration);
+  write_trajectories(folder.path(), run.record, Mode::kVehicle);
+  write_landmarks(folder.path(), run.record);
+  write_json(folder.path() / "summary.json", summary);
+
+  EXPECT_EQ(summary["frames"], 20);
+  EXPECT_EQ(summary["tracked"], 20);
+  EXPECT_EQ(summary["lost"], 0);
+  EXPECT_NEAR(summary["trajectory"]["ate_rmse_m"].get<double>(), 0.05 * std::sqrt(0.5), 1e-9);
+  EXPECT_EQ(summary["trajectory"]["aligned"], "start");
+  EXPECT_NEAR(summary["nees"]["mean"].get<double>(), 12.5, 1e-6);  // 0.05^2 / 1e-4, half the frames
+  EXPECT_NEAR(summary["latency_ms"]["stages"]["features"]["p50"].get<double>(), 0.003, 1e-9);
+  EXPECT_TRUE(summary["nis"]["mean"].is_null());
+  EXPECT_EQ(summary["map"]["capacity"], 64);
+  EXPECT_GT(summary["registration_px"]["max"].get<double>(), 1.0);
+
+  const CsvTable frames(folder.path() / "frames.csv");
+  EXPECT_EQ(frames.rows(), 20U);
+  EXPECT_EQ(read_lines(folder.path() / "frames.csv").front().text,
+            "frame,t_us,status,preprocess_ms,pose_prediction_ms,features_ms,pose_update_ms,"
+            "render_ms,total_ms,corners,candidates,matches,inliers,landmarks,registration_px");
+  const auto estimate = read_tum(folder.path() / "trajectory.tum");
+  const auto truth = read_tum(folder.path() / "truth.tum");
+  ASSERT_EQ(estimate.size(), 20U);
+  EXPECT_NEAR(estimate[15].pose.translation.y() - truth[15].pose.translation.y(), 0.05, 1e-7);
+  EXPECT_FALSE(run.record.overlay.empty());
+  EXPECT_TRUE(std::filesystem::exists(run.record.overlay));
+  const auto problem = write_report(folder.path());
+  if (problem.has_value()) GTEST_SKIP() << *problem;
+  EXPECT_GT(std::filesystem::file_size(folder.path() / "report.html"), 20000U);
+}
+
+TEST(Runner, LogHashFollowsWhatTheTrackerDecidedAlone) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_truth(folder.path(), 0.0).record.log_hash,
+            run_truth(folder.path(), 0.0).record.log_hash);
+  EXPECT_NE(run_truth(folder.path(), 0.0).record.log_hash,
+            run_truth(folder.path(), 1e-3).record.log_hash);
+}
+
+}  // namespace
+}  // namespace cairn::host
