@@ -1,9 +1,19 @@
 #include "host_sim/commands/run_kinds.hpp"
 
+#include "host_sim/run/video_run.hpp"
+
 namespace cairn::host {
 
 const std::vector<RunKind>& run_kinds() {
-  static const std::vector<RunKind> kinds = {};
+  static const std::vector<RunKind> kinds = {
+      {"hall", "", run_hall},
+      {"hall-small", "", run_hall_small},
+      {"seven-scenes", "DIR", run_seven_scenes},
+      {"tag-board", "DIR", run_tag_board},
+      {"kitti", "DIR", run_kitti},
+      {"tum-rgbd", "DIR", run_tum_rgbd},
+      {"video", "FILE_OR_FOLDER", run_video},
+  };
   return kinds;
 }
 
