@@ -1,6 +1,6 @@
 # Sourced by the tests here: sim = the program, work = a folder of the test's own.
 set -uo pipefail
-sim=$1
+sim=$(realpath "$1")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failures=0
