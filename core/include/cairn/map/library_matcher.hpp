@@ -61,7 +61,8 @@ class LibraryMatcher {
 
   /// Compares further landmarks with every feature until `max_pairs` pairs are spent (at least one
   /// landmark). True when the library has been gone through.
-  /// Cost: about 25 instructions a pair and 190 more for the pairs that pass the cascade.
+  /// Cost: about 80 instructions a pair and 200 more for the pairs that pass the cascade
+  /// (Cortex-M7).
   template <int Views>
   bool step(const MapLibrary<Config, Views>& library, int max_pairs,
             const LibraryMatcherOptions& options) {
