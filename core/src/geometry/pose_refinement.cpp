@@ -67,9 +67,9 @@ Status check(const Problem<T>& problem) {
 
 /// Inverse of the pixel noise of an observation: measurement noise plus the projected covariance.
 template <class T>
-bool pixel_information(const PoseObservation<T>& o, const Rigid<T>& pose,
+bool pixel_information(const PoseObservation<T>& o, const Matrix3<T>& R_camera_world,
                        const Matrix<T, 2, 3>& projection, Matrix2<T>& information) {
-  const Matrix<T, 2, 3> by_world = projection * pose.rotation.conjugate().toRotationMatrix();
+  const Matrix<T, 2, 3> by_world = projection * R_camera_world;
   const Matrix2<T> s = by_world * o.covariance * by_world.transpose();
   const T r = o.sigma_px * o.sigma_px;
   T ia = T(0);
@@ -87,7 +87,10 @@ template <class T>
 Matrix<T, 2, 6> chain(const Matrix<T, 2, 3>& projection, const Vector3<T>& p_camera) {
   Matrix<T, 2, 6> jacobian;
   jacobian.template leftCols<3>() = -projection;
-  jacobian.template rightCols<3>() = projection * skew(p_camera);
+  for (int row = 0; row < 2; ++row) {  // a^T [p]x = (a x p)^T
+    const Vector3<T> a = projection.row(row).transpose();
+    jacobian.template block<1, 3>(row, 3) = a.cross(p_camera).transpose();
+  }
   return jacobian;
 }
 
@@ -130,16 +133,16 @@ NormalEquations<T> linearise(const Problem<T>& problem, const Rigid<T>& pose, bo
   const T gate = problem.options.inlier_gate;
   const T largest_cost =
       cut_off ? huber_cost(gate, huber) : huber_cost(square(T(kHiddenPointSigmas)), huber);
-  const Rigid<T> T_camera_world = pose.inverse();
+  const Matrix3<T> R_camera_world = pose.rotation.conjugate().toRotationMatrix();
   for (int i = 0; i < problem.count; ++i) {
     if (!problem.used(i)) continue;
     const PoseObservation<T>& o = problem.observations[i];
-    const Vector3<T> p_camera = T_camera_world * o.p_world;
+    const Vector3<T> p_camera = R_camera_world * (o.p_world - pose.translation);
     Vector2<T> pixel;
     Matrix<T, 2, 3> projection;
     Matrix2<T> information;
     if (!ok(problem.camera.project(p_camera, pixel, projection)) ||
-        !pixel_information(o, pose, projection, information)) {
+        !pixel_information(o, R_camera_world, projection, information)) {
       normal.cost += largest_cost;
       continue;
     }
@@ -247,11 +250,12 @@ Status reprojection_error(const PinholeCamera<T>& camera, const PoseObservation<
                           T& mahalanobis_squared) {
   Vector2<T> pixel;
   Matrix<T, 2, 3> projection;
-  const Status status =
-      camera.project(T_world_camera.inverse() * observation.p_world, pixel, projection);
+  const Matrix3<T> R_camera_world = T_world_camera.rotation.conjugate().toRotationMatrix();
+  const Vector3<T> p_camera = R_camera_world * (observation.p_world - T_world_camera.translation);
+  const Status status = camera.project(p_camera, pixel, projection);
   if (!ok(status)) return status;
   Matrix2<T> information;
-  if (!pixel_information(observation, T_world_camera, projection, information)) {
+  if (!pixel_information(observation, R_camera_world, projection, information)) {
     return Status::kSingular;
   }
   residual_px = observation.pixel - pixel;
