@@ -241,6 +241,24 @@ TEST(DrawObject, DrawsWhatRayCastingSeesAndNothingElse) {
   EXPECT_LE(wrong, checked / 500);
 }
 
+TEST(DrawObject, TheWorkBudgetHoldsAndWhatIsLeftOutIsCounted) {
+  VirtualObject object;
+  ASSERT_TRUE(ok(make_cairn(1.0F, object)));
+  GuardedImage image(320, 240);
+  DrawStyle style;
+  DrawReport report;
+  const auto pose = look_at({1.5F, 1, 1}, {0, 0, 0.5F});
+  ASSERT_TRUE(
+      ok(draw_object(object, Rigid<float>(), small_camera(), pose, style, image.view(), report)));
+  EXPECT_EQ(report.left_out, 0);
+  style.max_pixels = 1000;
+  const int line_pixels = 400 * 8;  // a diagonal of the image with its halo
+  ASSERT_TRUE(
+      ok(draw_object(object, Rigid<float>(), small_camera(), pose, style, image.view(), report)));
+  EXPECT_GT(report.left_out, 100);
+  EXPECT_LE(report.pixels, 2 * (style.max_pixels + line_pixels));
+}
+
 TEST(DrawObject, IsTheSameToTheBitEveryTime) {
   VirtualObject object;
   ASSERT_TRUE(ok(make_cairn(1.0F, object)));

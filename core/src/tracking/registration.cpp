@@ -113,6 +113,7 @@ struct Canvas {
   bool halo;
   int segments;
   int pixels;
+  int left_out;
 };
 
 std::int32_t to_q8(float pixel) {
@@ -123,8 +124,9 @@ std::int32_t to_q8(float pixel) {
 void draw_piece(Canvas& canvas, const Vector3<float>& a, const Vector3<float>& b) {
   Vector2<float> from;
   Vector2<float> to;
-  if (canvas.segments >= kMaxSegments || !ok(canvas.camera.project(a, from)) ||
-      !ok(canvas.camera.project(b, to))) {
+  if (!ok(canvas.camera.project(a, from)) || !ok(canvas.camera.project(b, to))) return;
+  if (canvas.segments >= kMaxSegments || canvas.pixels >= canvas.style.max_pixels) {
+    ++canvas.left_out;
     return;
   }
   const LineQ8 line{to_q8(from.x()), to_q8(from.y()), to_q8(to.x()), to_q8(to.y())};
@@ -228,13 +230,14 @@ Status draw_object(const VirtualObject& object, const Rigid<float>& T_world_obje
   const Vector3<float> eye = T_camera_object.inverse().translation;
   DrawReport result;
   for (int pass = style.halo_width_q8 > 0 ? 0 : 1; pass < 2; ++pass) {
-    Canvas canvas{camera, T_camera_object, style, image, pass == 0, 0, 0};
+    Canvas canvas{camera, T_camera_object, style, image, pass == 0, 0, 0, 0};
     DrawReport pass_report;
     draw_pass(object, eye, canvas, pass_report);
     result.edges = pass_report.edges;
     result.cut = pass_report.cut;
     result.segments += canvas.segments;
     result.pixels += canvas.pixels;
+    result.left_out += canvas.left_out;
   }
   report = result;
   return result.pixels > 0 ? Status::kOk : Status::kOutOfView;

@@ -17,6 +17,9 @@ struct DrawStyle {
   int line_width_q8 = 400;   ///< 1/256 px
   int halo_width_q8 = 1000;  ///< drawn below all lines, so that they show on any ground; 0: none
   float near_m = 0.1F;       ///< nothing nearer to the image plane is drawn
+  /// Work budget: once so many pixels are written, halos and lines counted apart, further pieces
+  /// are left out. Reached only when the camera is so near that the object fills the image.
+  int max_pixels = 40000;
 };
 
 struct DrawReport {
@@ -24,6 +27,7 @@ struct DrawReport {
   int cut = 0;       ///< of these, edges of which a part was hidden by another convex part
   int segments = 0;  ///< straight pieces drawn, halos included
   int pixels = 0;    ///< written
+  int left_out = 0;  ///< pieces not drawn because the budget was spent
 };
 
 /// Pieces into which an edge is cut where the lens bends lines.
