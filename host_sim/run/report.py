@@ -116,7 +116,7 @@ def plot_latency(frames, summary):
     axes.set_ylim(0, max(1.12 * budget, min(np.nanmax(total) * 1.1, 4 * budget)))
     axes.set_xlabel("frame")
     axes.set_ylabel("ms")
-    axes.legend(loc="upper left", fontsize=7, ncol=3, bbox_to_anchor=(0, 0.93))
+    axes.legend(loc="lower left", fontsize=7, ncol=3, bbox_to_anchor=(0, 1.0))
     return svg(figure)
 
 
@@ -150,7 +150,7 @@ def plot_registration(frames):
 def plot_map(frames, tracking):
     n = numbers(frames["frame"])
     figure, axes = plt.subplots(figsize=(8.6, 2.6))
-    for key, color in (("landmarks", MUTED), ("matches", BLUE), ("inliers", GREEN)):
+    for key, color in (("landmarks", MUTED), ("matches", ORANGE), ("inliers", GREEN)):
         axes.plot(n, numbers(frames[key]), color=color, lw=0.9, label=key)
     bad = np.array([s not in ("tracking",) for s in tracking["state"]])
     top = axes.get_ylim()[1]
@@ -158,7 +158,7 @@ def plot_map(frames, tracking):
                       label="not tracking")
     axes.set_xlabel("frame")
     axes.set_ylim(0, top)
-    axes.legend(fontsize=8, loc="upper left", ncol=4)
+    axes.legend(fontsize=8, loc="lower left", ncol=4, bbox_to_anchor=(0, 1.0))
     return svg(figure)
 
 
@@ -202,7 +202,7 @@ def picture(path):
     with open(path, "rb") as file:
         data = base64.b64encode(file.read()).decode()
     frame = int(os.path.basename(path)[8:-4])
-    return f"<figure><img alt='frame {frame}' src='data:image/png;base64,{data}'><figcaption>frame {frame}</figcaption></figure>"
+    return f"<figure><img alt='frame {frame}' src='data:image/jpeg;base64,{data}'><figcaption>frame {frame}</figcaption></figure>"
 
 
 STYLE = """
@@ -234,7 +234,7 @@ def main(folder):
         f"<h1>{html.escape(manifest['source']['name'])}</h1>",
         f"<p class='muted'>{config['mode']} &middot; {config['filter']} &middot; seed {manifest['seed']}"
         f" &middot; {html.escape(manifest['source']['note'] or 'no assumptions')}</p>", cards(summary)]
-    pictures = sorted(glob.glob(folder + "/overlay-*.png"))
+    pictures = sorted(glob.glob(folder + "/overlay-*.jpg"))
     if pictures:
         parts += ["<h2>What a user sees</h2><div class='frames'>", *map(picture, pictures), "</div>"]
     parts += ["<h2>Latency</h2>", stage_table(summary),

@@ -128,7 +128,7 @@ class FrameLoop {
     }
     if (keep) {
       const std::filesystem::path path =
-          settings_.out / fmt::format("overlay-{:06d}.png", frame.number);
+          settings_.out / fmt::format("overlay-{:06d}.jpg", frame.number);
       cv::imwrite(path.string(), picture);
       record_.pictures.push_back(path);
     }
