@@ -1,6 +1,6 @@
 // Runs update cycles of one planar filter (5 odometry steps, 1 update of 8 landmarks) for an
-// instruction counter: planar_cost ekf|group|lifted LANDMARKS CYCLES [float]. Only measured_cycles()
-// counts: valgrind --tool=callgrind --toggle-collect=measured_cycles.
+// instruction counter: planar_cost ekf|group|lifted LANDMARKS CYCLES [float]. Only
+// measured_cycles() counts: valgrind --tool=callgrind --toggle-collect=measured_cycles.
 
 #include <cmath>
 #include <cstdio>

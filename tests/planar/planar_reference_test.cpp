@@ -86,6 +86,41 @@ TEST_P(PlanarReference, GroupEqualsDenseRightInvariantEkf) {
 INSTANTIATE_TEST_SUITE_P(Models, PlanarReference,
                          ::testing::Values(IncrementModel::kEuler, IncrementModel::kExactArc));
 
+/// Noise gathered in 3x3 over many odometry steps is the noise added step by step to all states.
+TEST(GroupIekfSlam, LazyNoiseEqualsStepwiseNoise) {
+  for (const MotionModel model : {MotionModel::kEuler, MotionModel::kExactArc}) {
+    WorldSettings s;
+    s.model = model;
+    const Drive d = make_drive(5, s);
+    GroupIekfSlam<double, 20> filter;
+    DenseRightInvariantEkf reference(d);
+    ASSERT_TRUE(ok(start(filter, d, planar_test::ungated<double>())));
+    for (int k = 0; k < 100; ++k) {
+      feed(filter, d, d.steps[k]);
+      reference.feed(d.steps[k]);
+    }
+    const int n = filter.state_size();
+    const auto difference = [&] {
+      double worst = 0;
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) {
+          worst = std::max(
+              worst, std::abs(filter.error_covariance(i, j) - reference.full_covariance()(i, j)));
+        }
+      }
+      return worst;
+    };
+    const double before = difference();
+    for (int k = 100; k < 400; ++k) {
+      Step blind = d.steps[k];
+      blind.update = false;
+      feed(filter, d, blind);
+      reference.feed(blind);
+    }
+    EXPECT_LT(difference() - before, 1e-12 * largest(reference.full_covariance()));
+  }
+}
+
 TEST(GroupIekfSlam, FloatStaysWithinAMillimetreOfDouble) {
   const Drive d = make_drive(11);
   GroupIekfSlam<double, 20> exact;

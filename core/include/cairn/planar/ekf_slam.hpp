@@ -51,8 +51,8 @@ class EkfSlam : public detail::WorldFrameFilter<EkfSlam<T, MaxLandmarks, Landmar
   bool pending_column(const typename Base::Pair&, T*, T*, const T**, T&, T&, T&, T&, T&) const {
     return false;
   }
-  void add_pending_columns(const typename Base::Pair&, T*, T*) const {}
   void hash_pending(Hash64&) const {}
+  T pending_covariance(int, int) const { return T(0); }
   Trial begin_trial(const T* d) const;
   void relative_after(int slot, const T* d, const Trial& trial, T* out) const;
   void correct(const T* d);

@@ -65,8 +65,8 @@ class GroupIekfSlam : public detail::WorldFrameFilter<GroupIekfSlam<T, MaxLandma
   void pending_done();
   bool pending_column(const typename Base::Pair& pair, T* g0, T* g1, const T** e, T& f0, T& f1,
                       T& s00, T& s01, T& s11) const;
-  void add_pending_columns(const typename Base::Pair& pair, T* g0, T* g1) const;
   void hash_pending(Hash64& hash) const;
+  T pending_covariance(int i, int j) const;
   Trial begin_trial(const T* d) const;
   void relative_after(int slot, const T* d, const Trial& trial, T* out) const;
   void correct(const T* d);

@@ -64,7 +64,6 @@ class LiftedIekfSlam
   bool pending_column(const typename Base::Pair&, T*, T*, const T**, T&, T&, T&, T&, T&) const {
     return false;
   }
-  void add_pending_columns(const typename Base::Pair&, T*, T*) const {}
   Trial begin_trial(const T*) const { return {}; }
   void relative_after(int slot, const T* d, const Trial&, T* out) const;
   void correct(const T* d);

@@ -65,9 +65,13 @@ struct PlanarParameters {
   /// that number is at least this (then the one seen least, then the lowest slot). 0: never.
   int replace_after = 20;
 
-  OnePointRansacParameters ransac;
-  T ransac_threshold = T(5.991464547107979);  ///< supporter: squared residual in sigma_px^2
-  T rescue_gate = T(9.210340371976182);       ///< chi-square of a rescued match
+  /// A vehicle with odometry needs fewer supporters than a camera in the hand.
+  OnePointRansacParameters ransac = {0.99F, 16, 3, 0.5F};
+  /// Supporter: chi-square of a candidate's residual after the hypothesis, under the covariance
+  /// that it has then (95 %). Counts the landmarks' own uncertainty, so that a young map finds
+  /// consensus.
+  T ransac_threshold = T(5.991464547107979);
+  T rescue_gate = T(9.210340371976182);  ///< chi-square of a rescued match (99 %)
 
   /// `LiftedIekfSlam` only: exact trigonometric moments of the noise instead of the printed
   /// Jacobians.

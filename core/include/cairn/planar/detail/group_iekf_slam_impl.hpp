@@ -200,6 +200,27 @@ void CAIRN_GROUP::hash_pending(Hash64& hash) const {
   }
 }
 
+/// Element of B W B^T.
+CAIRN_GROUP_TEMPLATE
+T CAIRN_GROUP::pending_covariance(int i, int j) const {
+  T rows[2][3] = {};
+  const int index[2] = {i, j};
+  for (int k = 0; k < 2; ++k) {
+    if (index[k] < 3) {
+      rows[k][index[k]] = T(1);
+      continue;
+    }
+    const int slot = (index[k] - 3) / LandmarkDim;
+    const int axis = (index[k] - 3) % LandmarkDim;
+    if (axis < 2) rows[k][0] = axis == 0 ? this->p_[slot][1] : -this->p_[slot][0];
+  }
+  T sum = T(0);
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) sum += rows[0][a] * W_(a, b) * rows[1][b];
+  }
+  return sum;
+}
+
 CAIRN_GROUP_TEMPLATE
 void CAIRN_GROUP::append_landmark(const Vector<T, LandmarkDim>& y,
                                   const Matrix<T, LandmarkDim, LandmarkDim>& R) {
@@ -321,21 +342,6 @@ bool CAIRN_GROUP::pending_column(const typename Base::Pair& pair, T* g0, T* g1, 
     s11 += hb[1][k] * m[1][k];
   }
   return true;
-}
-
-CAIRN_GROUP_TEMPLATE
-void CAIRN_GROUP::add_pending_columns(const typename Base::Pair& pair, T* g0, T* g1) const {
-  const T* e = nullptr;
-  T f0 = T(0);
-  T f1 = T(0);
-  T s00 = T(0);
-  T s01 = T(0);
-  T s11 = T(0);
-  if (!pending_column(pair, g0, g1, &e, f0, f1, s00, s01, s11)) return;
-  for (int i = 0; i < this->P_.size(); ++i) {
-    g0[i] -= f0 * e[i];
-    g1[i] -= f1 * e[i];
-  }
 }
 
 CAIRN_GROUP_TEMPLATE

@@ -18,7 +18,7 @@ namespace cairn::detail {
 ///   relative_of(slot, v, out)            C v, C the Jacobian of the relative vector
 ///   relative_covariance(slot, out)       C P C^T
 ///   relative_columns(slot, c0, c1, c2)   P C^T
-///   begin_update(), pending...(), add_pending_columns()   noise that is still to be added to P
+///   begin_update(), pending...()         noise that is still to be added to P
 ///   begin_trial(d), relative_after(...)  the relative vector if d were applied
 ///   correct(d)                           applies d to the mean
 ///   propagate, widen_pose_by, widen_landmark_by, append_landmark, remove_slot
@@ -146,6 +146,7 @@ class PlanarFilter {
 
   // Scratch of one update: members, not locals, so that the stack stays small.
   Pair pairs_[kMaxObservations];
+  InnovationCovariance<T> prior_[kMaxObservations];  ///< of the pixel candidates
   int refused_[kMaxObservations] = {};
   int refused_count_ = 0;
   T w_[kBatch][kStates] = {};

@@ -77,44 +77,45 @@ int CAIRN_PLANAR_FILTER::collect_pixels(const CameraView<T>& view, const PixelMa
     }
     pair.innovation[0] += matches[i].pixel.x();
     pair.innovation[1] += matches[i].pixel.y();
+    prior_[candidates] = innovation_covariance(pair, covariance);
     if (admit(pair, covariance, parameters_.gate, report)) ++candidates;
   }
   return candidates;
 }
 
-/// Moves the mean by the correction of one candidate alone and counts the candidates whose pixel
-/// then agrees to within the measurement noise.
+/// Corrects the mean by one candidate alone and counts the candidates that agree then: the pixel at
+/// the corrected mean, judged by the covariance that is left, S_j - (H_j P H_i^T) S_i^-1 (...)^T.
 CAIRN_PLANAR_TEMPLATE
 int CAIRN_PLANAR_FILTER::hypothesis(const CameraView<T>& view, const PixelMatch<T>* matches,
                                     int candidate, int count, bool* supporters) {
   const int n = P_.size();
-  const Pair& pair = pairs_[candidate];
-  columns(pair, w_[0], w_[1]);
-  derived().add_pending_columns(pair, w_[0], w_[1]);
-  T relative[3];
-  derived().relative_of(pair.slot, w_[0], relative);
-  InnovationCovariance<T> s;
-  s.s00 = pair.row(0, relative) + pair.r00;
-  s.s01 = pair.row(1, relative) + pair.r01;
-  derived().relative_of(pair.slot, w_[1], relative);
-  s.s11 = pair.row(1, relative) + pair.r11;
-  T a = T(0);
-  T b = T(0);
-  T c = T(0);
-  if (!s.invert(a, b, c)) return 0;
-  const T y0 = a * pair.innovation[0] + b * pair.innovation[1];
-  const T y1 = b * pair.innovation[0] + c * pair.innovation[1];
-  for (int i = 0; i < n; ++i) d_[i] = w_[0][i] * y0 + w_[1][i] * y1;
-
+  for (int i = 0; i < n; ++i) d_[i] = T(0);
+  T nis = T(0);
+  if (!whiten(pairs_[candidate], 0, nis)) return 0;
   const auto trial = derived().begin_trial(d_);
-  const T limit = parameters_.ransac_threshold * view.variance_px;
   int support = 0;
   for (int k = 0; k < count; ++k) {
-    derived().relative_after(pairs_[k].slot, d_, trial, relative);
-    Vector2<T> pixel;
-    if (!ok(view.camera->project(view.to_camera(relative), pixel))) continue;
-    const Vector2<T> residual = matches[pairs_[k].source].pixel - pixel;
-    if (!(residual.dot(residual) <= limit)) continue;
+    const Pair& pair = pairs_[k];
+    if (k != candidate) {
+      T relative[3];
+      derived().relative_after(pair.slot, d_, trial, relative);
+      Vector2<T> pixel;
+      if (!ok(view.camera->project(view.to_camera(relative), pixel))) continue;
+      const Vector2<T>& measured = matches[pair.source].pixel;
+      const T residual[2] = {measured.x() - pixel.x(), measured.y() - pixel.y()};
+      InnovationCovariance<T> left = prior_[k];
+      for (int r = 0; r < 2; ++r) {
+        derived().relative_of(pair.slot, w_[r], relative);
+        const T f0 = pair.row(0, relative);
+        const T f1 = pair.row(1, relative);
+        left.s00 -= f0 * f0;
+        left.s01 -= f0 * f1;
+        left.s11 -= f1 * f1;
+      }
+      T squared = T(0);
+      if (!left.mahalanobis(residual, squared)) continue;
+      if (!(squared <= parameters_.ransac_threshold)) continue;
+    }
     supporters[k] = true;
     ++support;
   }
@@ -178,8 +179,8 @@ Status CAIRN_PLANAR_FILTER::update_pixels(const PinholeCamera<T>& camera,
     if (!best.consensus) {
       ++health_.ransac_no_consensus;
       refused_count_ = 0;
-      // The next prediction may widen the pose, this call may not.
-      if (parameters_.reacquire_after > 0 && report.matches > 0) {
+      // The next prediction may widen the pose, this call may not. Too few matches prove nothing.
+      if (parameters_.reacquire_after > 0 && report.matches >= parameters_.ransac.min_support) {
         widen_next_ = ++refused_in_row_ >= parameters_.reacquire_after;
       }
       return Status::kNoConsensus;

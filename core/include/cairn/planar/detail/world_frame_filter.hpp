@@ -29,6 +29,12 @@ class WorldFrameFilter
     return p;
   }
 
+  /// Element of the covariance of the filter's own error, pending noise included: EkfSlam (x, y,
+  /// heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks). i, j < state_size().
+  T error_covariance(int i, int j) const {
+    return this->P_(i, j) + this->derived().pending_covariance(i, j);
+  }
+
   /// Fingerprint of mean and covariance.
   void hash(Hash64& hash) const {
     hash.add(heading_);
