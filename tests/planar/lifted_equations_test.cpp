@@ -40,7 +40,8 @@ LiftedLandmark lift(const Pose& p, double x, double y) {
 
 /// The motion itself, in plain numbers: (4) to (6), and its exact-arc counterpart.
 Pose move(const Pose& p, const PlanarIncrement<double>& u) {
-  const double direction = p.heading + (u.model == IncrementModel::kExactArc ? 0.5 * u.turn_rad : 0.0);
+  const double direction =
+      p.heading + (u.model == IncrementModel::kExactArc ? 0.5 * u.turn_rad : 0.0);
   return {p.x + u.distance_m * std::cos(direction), p.y + u.distance_m * std::sin(direction),
           p.heading + u.turn_rad};
 }

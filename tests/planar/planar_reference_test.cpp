@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(Models, PlanarReference,
 
 /// Noise gathered in 3x3 over many odometry steps is the noise added step by step to all states.
 TEST(GroupIekfSlam, LazyNoiseEqualsStepwiseNoise) {
-  for (const MotionModel model : {MotionModel::kEuler, MotionModel::kExactArc}) {
+  for (const IncrementModel model : {IncrementModel::kEuler, IncrementModel::kExactArc}) {
     WorldSettings s;
     s.model = model;
     const Drive d = make_drive(5, s);
