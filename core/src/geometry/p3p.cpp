@@ -59,11 +59,6 @@ struct DistanceProblem {
   }
 };
 
-template <class T>
-constexpr int DistanceProblem<T>::kFirst[3];
-template <class T>
-constexpr int DistanceProblem<T>::kSecond[3];
-
 /// A root t in [0, 1] of the cubic through the Bernstein-free values f(u(t), v(t)), where
 /// f(u, v) = c0 u^3 + c1 u^2 v + c2 u v^2 + c3 v^3 changes sign between the ends (u, v) of a
 /// segment. Newton's step where it stays inside the bracket, bisection otherwise.
