@@ -27,6 +27,9 @@ class HandheldAdapter : public Tracker {
     } else if (!options.fading.empty()) {
       parameters.filter.fading_factor = std::strtof(options.fading.c_str(), nullptr);
     }
+    Augmenter::Parameters objects;
+    objects.height_m = 0.3F;
+    static_cast<void>(augmenter_.initialise(objects));
     fading_ = options.fading.empty() ? "1" : options.fading;
     const Status status = core_->initialise(to_float(source.camera), parameters);
     if (!ok(status)) {
@@ -34,10 +37,13 @@ class HandheldAdapter : public Tracker {
     }
   }
 
-  Status process(const Frame& frame, cv::Mat&, FrameReport& report) override {
+  Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) override {
     const Status status =
         core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
     report.status = status;
+    if (report.t_us == frame.t_us) {
+      core_->augment(augmenter_, to_mutable_view(overlay), host_ticks(), report);
+    }
     return status;
   }
 
@@ -67,6 +73,7 @@ class HandheldAdapter : public Tracker {
 
  private:
   std::unique_ptr<Core> core_;
+  Augmenter augmenter_;
   std::string fading_;
 };
 

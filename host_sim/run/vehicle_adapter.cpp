@@ -31,10 +31,11 @@ class VehicleAdapter : public Tracker {
     parameters_.odometry.sample_period_s = static_cast<float>(source.odometry->period_s);
     camera_ = to_float(source.camera);
     T_vehicle_camera_ = to_float(source.T_vehicle_camera);
+    static_cast<void>(augmenter_.initialise(Augmenter::Parameters{}));
     start(0);
   }
 
-  Status process(const Frame& frame, cv::Mat&, FrameReport& report) override {
+  Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) override {
     if (!started_) {
       // The start pose is that of the first frame: odometry before it is not integrated.
       start(frame.t_us);
@@ -47,6 +48,9 @@ class VehicleAdapter : public Tracker {
     const Status status =
         core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
     report.status = status;
+    if (report.t_us == frame.t_us) {
+      core_->augment(augmenter_, to_mutable_view(overlay), host_ticks(), report);
+    }
     return status;
   }
 
@@ -100,6 +104,7 @@ class VehicleAdapter : public Tracker {
   }
 
   std::unique_ptr<Core> core_;
+  Augmenter augmenter_;
   std::string filter_name_;
   std::string source_name_;
   TrackerOptions options_;

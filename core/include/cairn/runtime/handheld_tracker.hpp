@@ -6,8 +6,10 @@
 #include "cairn/numeric/hash.hpp"
 #include "cairn/numeric/health.hpp"
 #include "cairn/numeric/random.hpp"
+#include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/config.hpp"
 #include "cairn/runtime/frame_report.hpp"
+#include "cairn/tracking/anchor.hpp"
 #include "cairn/tracking/feature_supply.hpp"
 #include "cairn/tracking/landmark_search.hpp"
 
@@ -49,6 +51,12 @@ class HandheldTracker {
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report);
 
+  /// Draws the virtual objects of `augmenter` into `overlay` as this frame's pose sees them. Where
+  /// it wants an object, one is placed first: on the plane of the landmarks where they have one,
+  /// else at their median depth. Adds its ticks to `report` as Stage::kRender.
+  void augment(Augmenter& augmenter, const MutableImageView& overlay, const TickSource& ticks,
+               FrameReport& report);
+
   const Filter& filter() const { return filter_; }
   const PinholeCamera<float>& camera() const { return camera_; }
   const Health& health() const { return health_; }
@@ -74,6 +82,7 @@ class HandheldTracker {
   void remove_features(FrameReport& report);
   void add_features(const ImageView& image, FrameReport& report);
   void judge(FrameReport& report);
+  bool object_place(Rigid<float>& T_world_object);
 
   PinholeCamera<float> camera_;
   Parameters parameters_;

@@ -7,6 +7,7 @@
 #include "cairn/numeric/random.hpp"
 #include "cairn/planar/increment.hpp"
 #include "cairn/planar/types.hpp"
+#include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/config.hpp"
 #include "cairn/runtime/frame_report.hpp"
 #include "cairn/tracking/candidate_pool.hpp"
@@ -73,10 +74,17 @@ class VehicleTracker {
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report);
 
+  /// Draws the virtual objects of `augmenter` into `overlay` as this frame's pose sees them. Where
+  /// it wants an object, one is placed on the floor ahead of the vehicle first. Adds its ticks to
+  /// `report` as Stage::kRender.
+  void augment(Augmenter& augmenter, const MutableImageView& overlay, const TickSource& ticks,
+               FrameReport& report);
+
   const Filter& filter() const { return filter_; }
   const PinholeCamera<float>& camera() const { return camera_; }
   const Rigid<float>& T_vehicle_camera() const { return T_vehicle_camera_; }
-  Rigid<float> T_world_camera() const;
+  Rigid<float> T_world_vehicle() const;
+  Rigid<float> T_world_camera() const { return T_world_vehicle() * T_vehicle_camera_; }
   const Health& health() const { return health_; }
   TrackingState state() const { return state_; }
   void hash(Hash64& hash) const;

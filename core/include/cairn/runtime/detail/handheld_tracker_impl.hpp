@@ -189,6 +189,62 @@ void HandheldTracker<Config>::judge(FrameReport& report) {
 }
 
 template <class Config>
+bool HandheldTracker<Config>::object_place(Rigid<float>& T_world_object) {
+  constexpr int kMinPoints = 10;
+  static_assert(kMaxFeatures <= kMaxAnchorPoints, "the plane is fitted to all features");
+  const Rigid<float> T_world_camera = filter_.T_world_camera();
+  const Rigid<float> T_camera_world = T_world_camera.inverse();
+  FixedVector<Vector3<float>, kMaxFeatures> points;
+  FixedVector<float, kMaxFeatures> depths;
+  for (int slot = 0; slot < filter_.feature_count(); ++slot) {
+    Vector3<float> p_world;
+    Matrix3<float> covariance;
+    if (!ok(filter_.feature_position(slot, p_world, covariance))) continue;
+    const float depth = (T_camera_world * p_world).z();
+    const float trace = covariance(0, 0) + covariance(1, 1) + covariance(2, 2);
+    if (!(depth > 0.0F) || !(trace < square(0.2F * depth))) continue;
+    points.push_back(p_world);
+    depths.push_back(depth);
+    for (int i = depths.size() - 1; i > 0 && depths[i - 1] > depths[i]; --i) {
+      const float swapped = depths[i];
+      depths[i] = depths[i - 1];
+      depths[i - 1] = swapped;
+    }
+  }
+  if (points.size() < kMinPoints) return false;
+  const float median = depths[depths.size() / 2];
+  const Vector3<float> ahead = T_world_camera * Vector3<float>(0.0F, 0.0F, median);
+  PlaneFitOptions options;
+  options.inlier_m = 0.03F * median;
+  options.min_inliers = points.size() * 2 / 3;
+  PlaneFit plane;
+  if (ok(fit_plane(points.data(), points.size(), T_world_camera.translation, options, random_,
+                   plane)) &&
+      ok(pose_on_plane(plane, ahead, T_world_camera.rotation * Vector3<float>(1.0F, 0.0F, 0.0F),
+                       T_world_object))) {
+    return true;
+  }
+  // Upright as the camera is held: object z against the camera's y.
+  const Quaternion<float> R_camera_object(0.70710678F, 0.70710678F, 0.0F, 0.0F);
+  T_world_object = {T_world_camera.rotation * R_camera_object, ahead};
+  return true;
+}
+
+template <class Config>
+void HandheldTracker<Config>::augment(Augmenter& augmenter, const MutableImageView& overlay,
+                                      const TickSource& ticks, FrameReport& report) {
+  const std::uint32_t start = ticks.now();
+  if (state_ == TrackingState::kTracking && augmenter.wants_object()) {
+    Rigid<float> T_world_object;
+    if (object_place(T_world_object)) static_cast<void>(augmenter.place(T_world_object));
+  }
+  if (state_ != TrackingState::kLost) {
+    augmenter.draw(filter_.camera(), report.T_world_camera, overlay);
+  }
+  report.stage_ticks[static_cast<int>(Stage::kRender)] = ticks.now() - start;
+}
+
+template <class Config>
 void HandheldTracker<Config>::hash(Hash64& hash) const {
   filter_.hash(hash);
   hash.add(static_cast<std::uint8_t>(state_));

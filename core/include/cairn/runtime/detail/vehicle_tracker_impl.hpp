@@ -33,14 +33,25 @@ Status VehicleTracker<Config, Filter>::initialise(const PinholeCamera<float>& ca
 }
 
 template <class Config, class Filter>
-Rigid<float> VehicleTracker<Config, Filter>::T_world_camera() const {
+Rigid<float> VehicleTracker<Config, Filter>::T_world_vehicle() const {
   const PlanarPose<float> pose = filter_.pose();
   float sine = 0.0F;
   float cosine = 1.0F;
   sin_cos(0.5F * pose.heading, sine, cosine);
-  const Rigid<float> T_world_vehicle{{cosine, 0.0F, 0.0F, sine},
-                                     {pose.position.x(), pose.position.y(), 0.0F}};
-  return T_world_vehicle * T_vehicle_camera_;
+  return {{cosine, 0.0F, 0.0F, sine}, {pose.position.x(), pose.position.y(), 0.0F}};
+}
+
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::augment(Augmenter& augmenter, const MutableImageView& overlay,
+                                             const TickSource& ticks, FrameReport& report) {
+  const std::uint32_t start = ticks.now();
+  if (state_ == TrackingState::kTracking && augmenter.wants_object()) {
+    Rigid<float> T_world_object = T_world_vehicle();
+    T_world_object.translation = T_world_object * Vector3<float>(3.5F, 0.7F, 0.0F);
+    static_cast<void>(augmenter.place(T_world_object));
+  }
+  if (state_ != TrackingState::kLost) augmenter.draw(camera_, report.T_world_camera, overlay);
+  report.stage_ticks[static_cast<int>(Stage::kRender)] = ticks.now() - start;
 }
 
 template <class Config, class Filter>
