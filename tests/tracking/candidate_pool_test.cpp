@@ -24,9 +24,10 @@ class CandidateDepth : public ::testing::Test {
     FastReport report;
     ASSERT_TRUE(ok(detect_fast(test::view(image, camera_), {60, 60, 260, 180}, 40, scratch, corners,
                                64, report)));
+    pool_.follow(test::view(image, camera_), test::to_float(camera_), Rigid<float>{}, parameters_);
     for (int i = 0; i < report.found - report.dropped && !pool_.full(); i += 3) {
-      static_cast<void>(pool_.add(test::view(image, camera_), test::to_float(camera_),
-                                  Rigid<float>{}, corners[i].x, corners[i].y, parameters_));
+      static_cast<void>(pool_.add(test::view(image, camera_), test::to_float(camera_), corners[i].x,
+                                  corners[i].y, parameters_));
     }
     ASSERT_GE(pool_.size(), 5);
   }

@@ -38,6 +38,14 @@ class VehicleTracker {
   };
 
   struct Parameters {
+    /// The filter's own re-acquisition widens the pose at every prediction, which at frame rate
+    /// would outrun the search windows: off, the tracker's states take its place. Two supporters
+    /// are enough: a young map has no more, and odometry bounds what they can do.
+    Parameters() {
+      filter.reacquire_after = 0;
+      filter.ransac.min_support = 2;
+    }
+
     PlanarParameters<float> filter;
     OdometryNoise odometry;
     SearchParameters search;
@@ -46,7 +54,7 @@ class VehicleTracker {
     float sigma_px = 1.0F;
     int target_in_view = 24;           ///< landmarks and candidates wanted in view
     int max_births_per_frame = 4;      ///< new candidates
-    int max_promotions_per_frame = 2;  ///< candidates that become landmarks
+    int max_promotions_per_frame = 4;  ///< candidates that become landmarks
     int max_searches = 32;
     int min_inliers = 4;
     int uncertain_frames_to_lost = 60;
@@ -83,8 +91,7 @@ class VehicleTracker {
   const Filter& filter() const { return filter_; }
   const PinholeCamera<float>& camera() const { return camera_; }
   const Rigid<float>& T_vehicle_camera() const { return T_vehicle_camera_; }
-  Rigid<float> T_world_vehicle() const;
-  Rigid<float> T_world_camera() const { return T_world_vehicle() * T_vehicle_camera_; }
+  Rigid<float> T_world_camera() const { return lift(filter_.pose()) * T_vehicle_camera_; }
   const Health& health() const { return health_; }
   TrackingState state() const { return state_; }
   void hash(Hash64& hash) const;
@@ -103,6 +110,7 @@ class VehicleTracker {
     Rigid<float> T_world_camera() const { return tracker.T_world_camera(); }
   };
 
+  static Rigid<float> lift(const PlanarPose<float>& pose);
   Status check_input(const ImageView& image, std::int64_t t_us);
   Status integrate_to(std::int64_t t_us);
   void update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
@@ -110,6 +118,8 @@ class VehicleTracker {
   void build_map(const ImageView& image, FrameReport& report);
   void promote_candidates(FrameReport& report);
   void judge(FrameReport& report);
+  void reckon(const PlanarIncrement<float>& increment);
+  typename Pool::Parameters pool_parameters() const;
 
   PinholeCamera<float> camera_;
   Rigid<float> T_vehicle_camera_;
@@ -124,7 +134,9 @@ class VehicleTracker {
   } scratch_;
   Random random_;
   Health health_;
-  OdometrySample motion_;  ///< last sample: held for extrapolation
+  PlanarPose<float> reckoned_;  ///< dead reckoning: odometry alone, the candidates' motion
+  float turn_variance_ = 0.0F;  ///< of it since the last frame, rad^2
+  OdometrySample motion_;       ///< last sample: held for extrapolation
   TrackingState state_ = TrackingState::kInitialising;
   bool initialised_ = false;
   bool has_frame_ = false;

@@ -27,14 +27,15 @@ Status VehicleTracker<Config, Filter>::initialise(const PinholeCamera<float>& ca
   has_frame_ = false;
   has_motion_ = false;
   time_us_ = start.t_us;
+  reckoned_ = start.pose;
+  turn_variance_ = 0.0F;
   next_id_ = 1;
   weak_frames_ = 0;
   return Status::kOk;
 }
 
 template <class Config, class Filter>
-Rigid<float> VehicleTracker<Config, Filter>::T_world_vehicle() const {
-  const PlanarPose<float> pose = filter_.pose();
+Rigid<float> VehicleTracker<Config, Filter>::lift(const PlanarPose<float>& pose) {
   float sine = 0.0F;
   float cosine = 1.0F;
   sin_cos(0.5F * pose.heading, sine, cosine);
@@ -46,7 +47,7 @@ void VehicleTracker<Config, Filter>::augment(Augmenter& augmenter, const Mutable
                                              const TickSource& ticks, FrameReport& report) {
   const std::uint32_t start = ticks.now();
   if (state_ == TrackingState::kTracking && augmenter.wants_object()) {
-    Rigid<float> T_world_object = T_world_vehicle();
+    Rigid<float> T_world_object = lift(filter_.pose());
     T_world_object.translation = T_world_object * Vector3<float>(3.5F, 0.7F, 0.0F);
     static_cast<void>(augmenter.place(T_world_object));
   }
@@ -92,7 +93,33 @@ Status VehicleTracker<Config, Filter>::integrate_to(std::int64_t t_us) {
                                 noise.sigma_speed_mps * scale, noise.sigma_turn * scale)
           : twist_increment(motion_.speed_mps, motion_.turn, dt, noise.sigma_speed_mps * scale,
                             noise.sigma_turn * scale);
-  return filter_.predict(increment);
+  const Status status = filter_.predict(increment);
+  if (ok(status)) reckon(increment);
+  return status;
+}
+
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::reckon(const PlanarIncrement<float>& increment) {
+  const Displacement<float> step = displacement(increment);
+  float sine = 0.0F;
+  float cosine = 1.0F;
+  sin_cos(reckoned_.heading, sine, cosine);
+  reckoned_.position.x() += cosine * step.u.x() - sine * step.u.y();
+  reckoned_.position.y() += sine * step.u.x() + cosine * step.u.y();
+  reckoned_.heading = wrap_angle(reckoned_.heading + increment.turn_rad);
+  turn_variance_ += increment.covariance(1, 1);
+}
+
+template <class Config, class Filter>
+typename VehicleTracker<Config, Filter>::Pool::Parameters
+VehicleTracker<Config, Filter>::pool_parameters() const {
+  constexpr float kSlowest = 0.02F;
+  typename Pool::Parameters pool = parameters_.pool;
+  const float speed = abs(motion_.speed_mps) > kSlowest ? abs(motion_.speed_mps) : kSlowest;
+  pool.translation_noise =
+      parameters_.odometry.sigma_speed_mps * sqrt(parameters_.odometry.sample_period_s / speed);
+  pool.rotation_sigma_rad = sqrt(turn_variance_) + 1e-4F;
+  return pool;
 }
 
 template <class Config, class Filter>
@@ -190,10 +217,12 @@ void VehicleTracker<Config, Filter>::remove_landmarks(FrameReport& report) {
 
 template <class Config, class Filter>
 void VehicleTracker<Config, Filter>::build_map(const ImageView& image, FrameReport& report) {
-  const Rigid<float> T_world_camera_now = T_world_camera();
-  const int dropped = pool_.follow(image, camera_, T_world_camera_now, parameters_.pool);
+  const int dropped =
+      pool_.follow(image, camera_, lift(reckoned_) * T_vehicle_camera_, pool_parameters());
+
   health_.candidates_dropped += static_cast<std::uint32_t>(dropped);
   promote_candidates(report);
+  turn_variance_ = 0.0F;
 
   int in_view = pool_.size();
   for (int i = 0; i < pool_.size(); ++i) supply_.occupy(pool_[i].pixel.x(), pool_[i].pixel.y());
@@ -214,8 +243,7 @@ void VehicleTracker<Config, Filter>::build_map(const ImageView& image, FrameRepo
   report.corners += supplied.corners;
   health_.corners_dropped += static_cast<std::uint32_t>(supplied.corners_dropped);
   for (int i = 0; i < found; ++i) {
-    const Status status =
-        pool_.add(image, camera_, T_world_camera_now, corners[i].x, corners[i].y, parameters_.pool);
+    const Status status = pool_.add(image, camera_, corners[i].x, corners[i].y, parameters_.pool);
     if (status == Status::kFull) break;
   }
 }
@@ -224,7 +252,7 @@ template <class Config, class Filter>
 void VehicleTracker<Config, Filter>::promote_candidates(FrameReport& report) {
   for (int i = 0; i < parameters_.max_promotions_per_frame; ++i) {
     Promotion promotion;
-    if (!pool_.promote(camera_, T_world_camera(), parameters_.pool, promotion)) return;
+    if (!pool_.promote(camera_, T_world_camera(), pool_parameters(), promotion)) return;
     const Matrix3<float> R_vehicle_camera = T_vehicle_camera_.rotation.toRotationMatrix();
     const Matrix3<float> turned = R_vehicle_camera * promotion.covariance;
     const Matrix3<float> covariance = turned * R_vehicle_camera.transpose();
