@@ -3,6 +3,7 @@
 #include "host_sim/commands/info_command.hpp"
 #include "host_sim/commands/merge_command.hpp"
 #include "host_sim/commands/run_command.hpp"
+#include "host_sim/commands/turntable_command.hpp"
 #include "host_sim/commands/vision_command.hpp"
 
 namespace cairn::host {
@@ -12,6 +13,7 @@ void register_commands(CommandContext& context) {
   register_info_command(context);
   register_consistency_command(context);
   register_merge_command(context);
+  register_turntable_command(context);
   register_vision_command(context);
 }
 

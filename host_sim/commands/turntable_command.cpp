@@ -1,0 +1,104 @@
+#include "host_sim/commands/turntable_command.hpp"
+
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/mono/turntable_files.hpp"
+#include "host_sim/run/build_info.hpp"
+
+namespace cairn::host {
+namespace {
+
+struct TurntableOptions {
+  std::string experiment;
+  std::vector<std::string> fading = {"1.000", "1.003", "1.006",   "1.009",
+                                     "1.015", "1.030", "adaptive"};
+  std::uint64_t seed = 1;
+  int seeds = 20;
+  bool pictures = true;
+  std::filesystem::path out;
+};
+
+TurntableConfig make_config(const TurntableOptions& options) {
+  TurntableConfig config;
+  if (!parse_experiment(options.experiment, config.experiment)) {
+    throw UsageError(
+        fmt::format("--experiment '{}': expected yaw10, two-axis20, yaw70, static or swing",
+                    options.experiment));
+  }
+  config.seed = options.seed;
+  config.seeds = options.seeds;
+  config.adaptive = false;
+  config.fading.clear();
+  for (const std::string& item : options.fading) {
+    if (item == "adaptive") {
+      config.adaptive = true;
+      continue;
+    }
+    double factor = 0.0;
+    const auto end = item.data() + item.size();
+    const auto parsed = std::from_chars(item.data(), end, factor);
+    if (parsed.ec != std::errc() || parsed.ptr != end || !(factor >= 1.0) || factor > 2.0) {
+      throw UsageError(
+          fmt::format("--fading '{}': expected a factor from 1 to 2, or adaptive", item));
+    }
+    config.fading.push_back(factor);
+  }
+  return config;
+}
+
+void run(const TurntableOptions& options, const std::string& command_line) {
+  const TurntableConfig config = make_config(options);
+  std::filesystem::create_directories(options.out);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const std::vector<TurntableCell> cells = run_turntable(config, [terminal](int done, int total) {
+    if (!terminal) return;
+    fmt::print(stderr, "\rrun {} of {} ({:.0f} %)", done, total, 100.0 * done / total);
+    std::fflush(stderr);
+  });
+  if (terminal) fmt::print(stderr, "\r{:40}\r", "");
+  const BuildInfo build = build_info();
+  const nlohmann::json manifest = {
+      {"command", command_line},      {"seed", options.seed},
+      {"version", build.version},     {"compiler", build.compiler},
+      {"flags", build.flags},         {"cpu", build.cpu},
+      {"config", "see summary.json"}, {"inputs", nlohmann::json::object()}};
+  std::ofstream(options.out / "manifest.json") << manifest.dump(2) << '\n';
+  write_turntable(config, cells, options.out);
+  fmt::print("{}", turntable_table(cells));
+  if (options.pictures) (void)draw_turntable(options.out);
+  fmt::print("results in {}\n", options.out.string());
+}
+
+}  // namespace
+
+void register_turntable_command(CommandContext& context) {
+  auto options = std::make_shared<TurntableOptions>();
+  CLI::App* command = context.app.add_subcommand(
+      "turntable", "Paper B's turntable experiments by point simulation, its filter beside ours");
+  command
+      ->add_option("--experiment", options->experiment, "yaw10, two-axis20, yaw70, static, swing")
+      ->required();
+  command
+      ->add_option("--fading", options->fading,
+                   "Fading factors and 'adaptive', separated by commas")
+      ->delimiter(',');
+  command->add_option("--seed", options->seed, "First seed");
+  command->add_option("--seeds", options->seeds, "Number of seeds")->check(CLI::Range(1, 10000));
+  command->add_flag("!--no-pictures", options->pictures, "Leave the pictures out");
+  command->add_option("--out", options->out, "Folder of the results")->required();
+  command->callback([options, &context] {
+    run(*options, context.command_line);
+    context.exit_code = ExitCode::kOk;
+  });
+}
+
+}  // namespace cairn::host

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "host_sim/commands/command.hpp"
+
+namespace cairn::host {
+
+/// `cairn_sim turntable --experiment yaw10|two-axis20|yaw70 --out DIR ...`: paper B's turntable
+/// experiments by point simulation, the paper's filter beside ours.
+void register_turntable_command(CommandContext& context);
+
+}  // namespace cairn::host
