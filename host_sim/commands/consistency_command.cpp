@@ -27,7 +27,7 @@ struct ConsistencyOptions {
   double position_variance = 1.0;
   std::string odometry_noise = "s1";
   std::optional<double> steering_noise_deg;
-  std::vector<std::string> filters{"dense-ekf", "reduced-jacobian", "ri-ekf"};
+  std::vector<std::string> filters{"ekf", "reduced-jacobian", "group-iekf"};
   std::uint64_t seed = 1;
   int threads = 0;
   std::string shard = "1/1";

@@ -16,8 +16,9 @@ class PlanarFilter {
   PlanarFilter& operator=(const PlanarFilter&) = delete;
   virtual ~PlanarFilter() = default;
 
-  virtual void initialise(const PlanarPose& pose, const Eigen::Matrix3d& covariance) = 0;
-  virtual void predict(const PlanarStep& step) = 0;
+  virtual void initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) = 0;
+  /// One odometry increment of the Euler model, the one the simulated world moves by.
+  virtual void predict(const Increment& step) = 0;
   /// Updates with the known landmarks as one batch, then adds the new ones. `sigma_m`: standard
   /// deviation of each coordinate.
   virtual void update(const std::vector<PointSighting>& sightings, double sigma_m) = 0;

@@ -6,9 +6,9 @@
 
 namespace cairn::host {
 
-PlanarPose advance(const PlanarPose& pose, double forward_m, double turn_rad) {
-  PlanarPose moved = pose;
-  moved.position += forward_m * Eigen::Vector2d(std::cos(pose.heading), std::sin(pose.heading));
+Pose2 advance(const Pose2& pose, double distance_m, double turn_rad) {
+  Pose2 moved = pose;
+  moved.position += distance_m * Eigen::Vector2d(std::cos(pose.heading), std::sin(pose.heading));
   moved.heading = wrap_angle(pose.heading + turn_rad);
   return moved;
 }

@@ -4,21 +4,14 @@
 
 #include <Eigen/Dense>
 
+#include "cairn/planar/increment.hpp"
+#include "cairn/planar/types.hpp"
+
 namespace cairn::host {
 
-/// Vehicle pose in the world: position m, heading rad.
-struct PlanarPose {
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  double heading = 0.0;
-};
-
-/// One odometry step: the vehicle moves `forward_m` along its heading at the start of the step,
-/// then turns by `turn_rad` (paper A, equation (4)). `covariance` is that of (forward, turn).
-struct PlanarStep {
-  double forward_m = 0.0;
-  double turn_rad = 0.0;
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-};
+/// Reference filters and experiments run in double.
+using Pose2 = cairn::PlanarPose<double>;
+using Increment = cairn::PlanarIncrement<double>;
 
 /// Position of landmark `landmark` in the vehicle frame, m.
 struct PointSighting {
@@ -28,7 +21,7 @@ struct PointSighting {
 
 /// Mean and covariance of (x, y, heading).
 struct PoseEstimate {
-  PlanarPose pose;
+  Pose2 pose;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
@@ -51,8 +44,8 @@ inline Eigen::Matrix2d rotation_generator() {
   return j;
 }
 
-/// Moves `pose` by `step` as the filters' motion model does (Euler).
-PlanarPose advance(const PlanarPose& pose, double forward_m, double turn_rad);
+/// Moves `pose` straight along its heading, then turns it: paper A, equation (4).
+Pose2 advance(const Pose2& pose, double distance_m, double turn_rad);
 
 /// Left Jacobian V(t) of SE(2): the translation part of exp is V(t) times the tangent's.
 Eigen::Matrix2d se2_left_jacobian(double angle);

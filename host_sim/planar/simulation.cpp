@@ -39,20 +39,20 @@ double path_turn(const SimulationConfig& config, int k) {
   return kTwoPi<double> / count * (1.0 + config.corner_sharpness * std::cos(4.0 * phase));
 }
 
-PlanarPose path_start(const SimulationConfig& config) {
-  PlanarPose pose;
+Pose2 path_start(const SimulationConfig& config) {
+  Pose2 pose;
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   const int count = config.steps_per_loop();
   for (int k = 0; k < count; ++k) {
     pose = advance(pose, config.speed_mps * config.time_step_s, path_turn(config, k));
     centre += pose.position / count;
   }
-  PlanarPose start;
+  Pose2 start;
   start.position = -centre;
   return start;
 }
 
-std::vector<PointSighting> observe(const SimulationConfig& config, const PlanarPose& truth,
+std::vector<PointSighting> observe(const SimulationConfig& config, const Pose2& truth,
                                    const std::vector<Eigen::Vector2d>& map,
                                    GaussianSource& source) {
   std::vector<PointSighting> sightings;
@@ -74,20 +74,6 @@ int SimulationConfig::steps_per_loop() const {
   return static_cast<int>(std::lround(loop_s / time_step_s));
 }
 
-PlanarStep ackermann_step(double speed_mps, double steering_rad, double time_step_s,
-                          double wheelbase_m, double speed_sigma_mps, double steering_sigma_rad) {
-  PlanarStep step;
-  const double slope = std::tan(steering_rad) / wheelbase_m;
-  step.forward_m = speed_mps * time_step_s;
-  step.turn_rad = step.forward_m * slope;
-  const double cosine = std::cos(steering_rad);
-  Eigen::Matrix2d b;
-  b << time_step_s * speed_sigma_mps, 0.0, time_step_s * slope * speed_sigma_mps,
-      step.forward_m / (wheelbase_m * cosine * cosine) * steering_sigma_rad;
-  step.covariance = b * b.transpose();
-  return step;
-}
-
 SimulatedRun simulate_run(const SimulationConfig& config, std::uint64_t seed, int run) {
   GaussianSource map_source(stream_seed(seed, 2 * static_cast<std::uint64_t>(run)));
   GaussianSource source(stream_seed(seed, 2 * static_cast<std::uint64_t>(run) + 1));
@@ -106,7 +92,7 @@ SimulatedRun simulate_run(const SimulationConfig& config, std::uint64_t seed, in
   result.estimated_start.heading = wrap_angle(
       result.true_start.heading + source.normal(std::sqrt(config.heading_variance_rad2)));
 
-  PlanarPose truth = result.true_start;
+  Pose2 truth = result.true_start;
   result.steps.resize(static_cast<std::size_t>(config.steps()));
   for (int k = 0; k < config.steps(); ++k) {
     SimulatedStep& step = result.steps[static_cast<std::size_t>(k)];
@@ -116,9 +102,9 @@ SimulatedRun simulate_run(const SimulationConfig& config, std::uint64_t seed, in
     const double steering = std::atan(turn * config.wheelbase_m / forward);
     const double speed_noise = source.normal(config.speed_sigma_mps);
     const double steering_noise = source.normal(config.steering_sigma_rad);
-    step.odometry = ackermann_step(config.speed_mps + speed_noise, steering + steering_noise,
-                                   config.time_step_s, config.wheelbase_m, config.speed_sigma_mps,
-                                   config.steering_sigma_rad);
+    step.odometry = ackermann_increment(config.speed_mps + speed_noise, steering + steering_noise,
+                                        config.time_step_s, config.wheelbase_m,
+                                        config.speed_sigma_mps, config.steering_sigma_rad);
     step.truth = truth;
     step.has_update = k % config.steps_per_update == 0;
     if (step.has_update) step.sightings = observe(config, truth, result.landmarks, source);

@@ -35,16 +35,16 @@ struct SimulationConfig {
 
 /// What the filters get at one step, and the truth after it.
 struct SimulatedStep {
-  PlanarStep odometry;
+  Increment odometry;
   bool has_update = false;
   std::vector<PointSighting> sightings;
-  PlanarPose truth;
+  Pose2 truth;
 };
 
 struct SimulatedRun {
   std::vector<Eigen::Vector2d> landmarks;
-  PlanarPose true_start;
-  PlanarPose estimated_start;  ///< drawn from N(true_start, start_covariance)
+  Pose2 true_start;
+  Pose2 estimated_start;  ///< drawn from N(true_start, start_covariance)
   Eigen::Matrix3d start_covariance = Eigen::Matrix3d::Zero();
   std::vector<SimulatedStep> steps;
 };
@@ -52,10 +52,5 @@ struct SimulatedRun {
 /// Run number `run` of the experiment with seed `seed`: map, start error and all noises. The same
 /// arguments give the same run, whatever else is computed before or beside it.
 SimulatedRun simulate_run(const SimulationConfig& config, std::uint64_t seed, int run);
-
-/// Odometry step from measured speed and steering angle, noise mapped to first order:
-/// forward = v dt, turn = v dt tan(steering) / L.
-PlanarStep ackermann_step(double speed_mps, double steering_rad, double time_step_s,
-                          double wheelbase_m, double speed_sigma_mps, double steering_sigma_rad);
 
 }  // namespace cairn::host

@@ -19,7 +19,7 @@ Band average_nees_band(int runs, int dof) {
           chi_square_quantile(degrees, kNormal975) / runs};
 }
 
-double pose_nees(const PoseEstimate& estimate, const PlanarPose& truth) {
+double pose_nees(const PoseEstimate& estimate, const Pose2& truth) {
   Eigen::Vector3d error;
   error << truth.position - estimate.pose.position,
       wrap_angle(truth.heading - estimate.pose.heading);

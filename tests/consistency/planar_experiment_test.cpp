@@ -115,8 +115,8 @@ TEST(PlanarExperiment, GaussianSourceHasUnitVarianceAndNoMean) {
 }
 
 TEST(ReducedLifted, MonomialMomentsAreThoseOfSamples) {
-  PlanarStep step;
-  step.forward_m = 0.4;
+  Increment step;
+  step.distance_m = 0.4;
   step.turn_rad = 0.3;
   step.covariance << 0.01, 0.006, 0.006, 0.09;
   const MonomialMoments moments = monomial_moments(step);
@@ -129,7 +129,7 @@ TEST(ReducedLifted, MonomialMomentsAreThoseOfSamples) {
     const double n0 = source.normal();
     const double n1 = source.normal();
     const Eigen::Vector2d noise = root * Eigen::Vector2d(n0, n1);
-    const double u1 = step.forward_m + noise(0);
+    const double u1 = step.distance_m + noise(0);
     const double a = step.turn_rad + noise(1);
     OdometryMonomials m;
     m << 1.0, u1, std::sin(a), std::cos(a), u1 * std::sin(a), u1 * std::cos(a);

@@ -6,7 +6,7 @@
 
 namespace cairn::host {
 
-void InvariantEkf::initialise(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
+void InvariantEkf::initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) {
   heading_ = pose.heading;
   points_ = pose.position;
   slots_ = SlotTable();
@@ -17,9 +17,9 @@ void InvariantEkf::initialise(const PlanarPose& pose, const Eigen::Matrix3d& cov
   covariance_ = t * covariance * t.transpose();
 }
 
-void InvariantEkf::predict(const PlanarStep& step) {
+void InvariantEkf::predict(const Increment& step) {
   const Eigen::Vector2d direction(std::cos(heading_), std::sin(heading_));
-  points_.head<2>() += step.forward_m * direction;
+  points_.head<2>() += step.distance_m * direction;
   heading_ = wrap_angle(heading_ + step.turn_rad);
   Eigen::MatrixXd g = Eigen::MatrixXd::Zero(covariance_.rows(), 2);
   g(0, 1) = 1.0;

@@ -11,8 +11,8 @@ namespace cairn::host {
 /// form that GroupIekfSlam is compared with.
 class InvariantEkf final : public PlanarFilter {
  public:
-  void initialise(const PlanarPose& pose, const Eigen::Matrix3d& covariance) override;
-  void predict(const PlanarStep& step) override;
+  void initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) override;
+  void predict(const Increment& step) override;
   void update(const std::vector<PointSighting>& sightings, double sigma_m) override;
   PoseEstimate pose() const override;
   bool landmark(int landmark, LandmarkEstimate& estimate) const override;

@@ -68,12 +68,12 @@ Eigen::MatrixXd conjugate(const OdometryMonomials& m, const Eigen::MatrixXd& x) 
 }
 
 /// E[u1^power e^{i k a}] for Gaussian (u1, a).
-std::complex<double> trigonometric_moment(const PlanarStep& step, int power, int k) {
+std::complex<double> trigonometric_moment(const Increment& step, int power, int k) {
   const std::complex<double> i(0.0, 1.0);
   const double frequency = k;
   const std::complex<double> base =
       std::exp(i * frequency * step.turn_rad - 0.5 * frequency * frequency * step.covariance(1, 1));
-  const std::complex<double> shifted = step.forward_m + i * frequency * step.covariance(0, 1);
+  const std::complex<double> shifted = step.distance_m + i * frequency * step.covariance(0, 1);
   if (power == 0) return base;
   if (power == 1) return shifted * base;
   return (shifted * shifted + step.covariance(0, 0)) * base;
@@ -81,7 +81,7 @@ std::complex<double> trigonometric_moment(const PlanarStep& step, int power, int
 
 }  // namespace
 
-MonomialMoments monomial_moments(const PlanarStep& step) {
+MonomialMoments monomial_moments(const Increment& step) {
   // Each monomial is u1^power times 1, sin a or cos a; products follow from e^{ia} and e^{2ia}.
   constexpr std::array<int, 6> kPower{0, 1, 0, 0, 1, 1};
   enum class Wave { kOne, kSine, kCosine };
@@ -121,7 +121,7 @@ MonomialMoments monomial_moments(const PlanarStep& step) {
   return moments;
 }
 
-void ReducedLifted::initialise(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
+void ReducedLifted::initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) {
   slots_ = SlotTable();
   if (noise_ == Noise::kJacobian) {
     initialise_jacobian(pose, covariance);
@@ -130,22 +130,22 @@ void ReducedLifted::initialise(const PlanarPose& pose, const Eigen::Matrix3d& co
   }
 }
 
-void ReducedLifted::initialise_jacobian(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
+void ReducedLifted::initialise_jacobian(const Pose2& pose, const Eigen::Matrix3d& covariance) {
   const auto j = lift_jacobian(pose.position.x(), pose.position.y(), pose.heading);
   mean_ = lift(pose.position.x(), pose.position.y(), pose.heading);
   covariance_ = j * covariance * j.transpose();
 }
 
-void ReducedLifted::initialise_moments(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
+void ReducedLifted::initialise_moments(const Pose2& pose, const Eigen::Matrix3d& covariance) {
   // Exact for Gaussian (x, y, heading): the lifted entries are products of at most one of x, y with
   // a sine or cosine, so conditioning on the heading leaves trigonometric moments of u1 = x or y.
   const Eigen::Matrix3d& p = covariance;
-  PlanarStep along_x;
-  along_x.forward_m = pose.position.x();
+  Increment along_x;
+  along_x.distance_m = pose.position.x();
   along_x.turn_rad = pose.heading;
   along_x.covariance << p(0, 0), p(0, 2), p(0, 2), p(2, 2);
-  PlanarStep along_y = along_x;
-  along_y.forward_m = pose.position.y();
+  Increment along_y = along_x;
+  along_y.distance_m = pose.position.y();
   along_y.covariance << p(1, 1), p(1, 2), p(1, 2), p(2, 2);
   const auto ex = [&](int power, int k) { return trigonometric_moment(along_x, power, k); };
   const auto ey = [&](int power, int k) { return trigonometric_moment(along_y, power, k); };
@@ -153,8 +153,8 @@ void ReducedLifted::initialise_moments(const PlanarPose& pose, const Eigen::Matr
   const auto exy = [&](int k) {
     const std::complex<double> i(0.0, 1.0);
     const double frequency = k;
-    return ((along_x.forward_m + i * frequency * p(0, 2)) *
-                (along_y.forward_m + i * frequency * p(1, 2)) +
+    return ((along_x.distance_m + i * frequency * p(0, 2)) *
+                (along_y.distance_m + i * frequency * p(1, 2)) +
             p(0, 1)) *
            ex(0, k);
   };
@@ -201,9 +201,9 @@ void ReducedLifted::initialise_moments(const PlanarPose& pose, const Eigen::Matr
   covariance_ = full - mean * mean.transpose();
 }
 
-void ReducedLifted::predict(const PlanarStep& step) {
+void ReducedLifted::predict(const Increment& step) {
   if (noise_ == Noise::kJacobian) {
-    const OdometryMonomials m = monomials(step.forward_m, step.turn_rad);
+    const OdometryMonomials m = monomials(step.distance_m, step.turn_rad);
     OdometryMonomials by_forward;
     by_forward << 0.0, 1.0, 0.0, 0.0, m(2), m(3);
     OdometryMonomials by_turn;

@@ -16,7 +16,7 @@ struct MonomialMoments {
   OdometryMonomials mean;
   Eigen::Matrix<double, 6, 6> covariance;
 };
-MonomialMoments monomial_moments(const PlanarStep& step);
+MonomialMoments monomial_moments(const Increment& step);
 
 /// The exact quotient of paper A's 11 + 6n filter: state (x, y, sin, cos, q, q_1 .. q_n) with
 /// q = R^T x and q_i = R^T p_i, 6 + 2n. Its pose and 3x3 covariance are those of the full filter.
@@ -31,16 +31,16 @@ class ReducedLifted final : public PlanarFilter {
 
   explicit ReducedLifted(Noise noise) : noise_(noise) {}
 
-  void initialise(const PlanarPose& pose, const Eigen::Matrix3d& covariance) override;
-  void predict(const PlanarStep& step) override;
+  void initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) override;
+  void predict(const Increment& step) override;
   void update(const std::vector<PointSighting>& sightings, double sigma_m) override;
   PoseEstimate pose() const override;
   bool landmark(int landmark, LandmarkEstimate& estimate) const override;
   int dimension() const override { return static_cast<int>(mean_.size()); }
 
  private:
-  void initialise_jacobian(const PlanarPose& pose, const Eigen::Matrix3d& covariance);
-  void initialise_moments(const PlanarPose& pose, const Eigen::Matrix3d& covariance);
+  void initialise_jacobian(const Pose2& pose, const Eigen::Matrix3d& covariance);
+  void initialise_moments(const Pose2& pose, const Eigen::Matrix3d& covariance);
 
   Noise noise_;
   Eigen::VectorXd mean_;

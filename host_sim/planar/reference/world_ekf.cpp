@@ -20,7 +20,7 @@ constexpr std::array<double, 3> kHermiteWeights{1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0}
 
 }  // namespace
 
-void WorldEkf::initialise(const PlanarPose& pose, const Eigen::Matrix3d& covariance) {
+void WorldEkf::initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) {
   mean_.resize(3);
   mean_ << pose.position, pose.heading;
   covariance_ = covariance;
@@ -38,14 +38,14 @@ void WorldEkf::propagate(const Eigen::Matrix3d& f, const Eigen::Matrix3d& q) {
   covariance_.bottomLeftCorner(rest, 3) = cross.transpose();
 }
 
-void WorldEkf::predict(const PlanarStep& step) {
+void WorldEkf::predict(const Increment& step) {
   if (kind_ == Kind::kUnscented) {
     predict_unscented(step);
     return;
   }
   const Eigen::Vector3d before = mean_.head<3>();
   const Eigen::Vector2d direction(std::cos(before(2)), std::sin(before(2)));
-  mean_.head<2>() += step.forward_m * direction;
+  mean_.head<2>() += step.distance_m * direction;
   mean_(2) = wrap_angle(mean_(2) + step.turn_rad);
 
   const Eigen::Vector2d start =
@@ -59,7 +59,7 @@ void WorldEkf::predict(const PlanarStep& step) {
   predicted_pose_ = mean_.head<3>();
 }
 
-void WorldEkf::predict_unscented(const PlanarStep& step) {
+void WorldEkf::predict_unscented(const Increment& step) {
   const double heading = mean_(2);
   const double heading_variance = std::fmax(covariance_(2, 2), 1e-18);
   const double heading_sigma = std::sqrt(heading_variance);
@@ -76,7 +76,7 @@ void WorldEkf::predict_unscented(const PlanarStep& step) {
     for (std::size_t j = 0; j < 3; ++j) {
       for (std::size_t k = 0; k < 3; ++k) {
         const double heading_error = heading_sigma * kHermiteNodes[i];
-        const double forward = step.forward_m + forward_sigma * kHermiteNodes[j];
+        const double forward = step.distance_m + forward_sigma * kHermiteNodes[j];
         const double turn =
             step.turn_rad + coupling * kHermiteNodes[j] + turn_sigma * kHermiteNodes[k];
         const Eigen::Vector3d point(forward * std::cos(heading + heading_error),
@@ -210,8 +210,8 @@ void WorldEkf::update(const std::vector<PointSighting>& sightings, double sigma_
 void WorldEkf::add_landmark(const PointSighting& sighting, double sigma_m) {
   const Eigen::Index n = mean_.size();
   const Eigen::Vector2d world = mean_.head<2>() + rotation2(mean_(2)) * sighting.point;
-  const Eigen::Vector2d origin =
-      kind_ == Kind::kFirstEstimates ? Eigen::Vector2d(predicted_pose_.head<2>())
+  const Eigen::Vector2d origin = kind_ == Kind::kFirstEstimates
+                                     ? Eigen::Vector2d(predicted_pose_.head<2>())
                                      : Eigen::Vector2d(mean_.head<2>());
   Eigen::Matrix<double, 2, 3> g;
   g.leftCols<2>().setIdentity();

@@ -25,15 +25,15 @@ class WorldEkf final : public PlanarFilter {
 
   explicit WorldEkf(Kind kind) : kind_(kind) {}
 
-  void initialise(const PlanarPose& pose, const Eigen::Matrix3d& covariance) override;
-  void predict(const PlanarStep& step) override;
+  void initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) override;
+  void predict(const Increment& step) override;
   void update(const std::vector<PointSighting>& sightings, double sigma_m) override;
   PoseEstimate pose() const override;
   bool landmark(int landmark, LandmarkEstimate& estimate) const override;
   int dimension() const override { return static_cast<int>(mean_.size()); }
 
  private:
-  void predict_unscented(const PlanarStep& step);
+  void predict_unscented(const Increment& step);
   void propagate(const Eigen::Matrix3d& f, const Eigen::Matrix3d& q);
   DenseRow linearise(const PointSighting& sighting, const Eigen::VectorXd& at,
                      double sigma_m) const;

@@ -36,6 +36,15 @@ struct RangeBearingObservation {
   T sigma_bearing = T(0);
 };
 
+/// Range and bearing at which a landmark is expected, and how surely: the input of a data
+/// association.
+template <class T>
+struct RangeBearingPrediction {
+  T range = T(0);
+  T bearing = T(0);
+  Matrix2<T> covariance = Matrix2<T>::Zero();  ///< innovation covariance, m^2, m rad, rad^2
+};
+
 /// What a filter remembers of each landmark.
 struct LandmarkStatistics {
   std::uint32_t seen = 0;             ///< observations used

@@ -54,6 +54,12 @@ class PlanarFilter {
   Status update_range_bearing(Span<RangeBearingObservation<T>> observations, T sensor_offset_m,
                               UpdateReport& report);
 
+  /// Where `slot` is expected by a sensor `sensor_offset_m` ahead of the vehicle's centre. Errors:
+  /// kNotInitialised, kNotFound, kInvalidArgument (sigmas), kOutOfView (nearer than 5 cm);
+  /// `prediction` untouched.
+  Status predict_range_bearing(int slot, T sensor_offset_m, T sigma_range, T sigma_bearing,
+                               RangeBearingPrediction<T>& prediction) const;
+
   /// Where `slot` is expected in the image of a camera fixed to the vehicle. Landmarks with height
   /// only. Errors: kNotInitialised, kNotFound, kInvalidArgument (sigma), kOutOfView (nearer than
   /// 0.3 m, behind, or outside the image); `prediction` untouched.

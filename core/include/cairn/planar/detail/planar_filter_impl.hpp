@@ -199,6 +199,32 @@ Status CAIRN_PLANAR_FILTER::update_range_bearing(Span<RangeBearingObservation<T>
 }
 
 CAIRN_PLANAR_TEMPLATE
+Status CAIRN_PLANAR_FILTER::predict_range_bearing(int slot, T sensor_offset_m, T sigma_range,
+                                                  T sigma_bearing,
+                                                  RangeBearingPrediction<T>& prediction) const {
+  if (!initialised_) return Status::kNotInitialised;
+  if (slot < 0 || slot >= table_.size()) return Status::kNotFound;
+  if (!(sigma_range > T(0)) || !(sigma_bearing > T(0))) return Status::kInvalidArgument;
+  T relative[LandmarkDim];
+  RelativeCovariance<T> covariance;
+  derived().relative(slot, relative);
+  derived().relative_covariance(slot, covariance);
+  // Innovations of a sighting at range and bearing zero are minus what is expected.
+  RangeBearingObservation<T> zero;
+  zero.sigma_range = sigma_range;
+  zero.sigma_bearing = sigma_bearing;
+  Pair pair;
+  if (!linearise(zero, sensor_offset_m, derived().frame(), relative, pair)) {
+    return Status::kOutOfView;
+  }
+  const InnovationCovariance<T> s = innovation_covariance(pair, covariance);
+  prediction.range = -pair.innovation[0];
+  prediction.bearing = -pair.innovation[1];
+  prediction.covariance << s.s00, s.s01, s.s01, s.s11;
+  return Status::kOk;
+}
+
+CAIRN_PLANAR_TEMPLATE
 Status CAIRN_PLANAR_FILTER::add_landmark(LandmarkId id, const Vector<T, LandmarkDim>& y_vehicle,
                                          const Matrix<T, LandmarkDim, LandmarkDim>& R,
                                          LandmarkId* replaced) {
