@@ -58,6 +58,11 @@ void add_options(CLI::App& command, RunOptions& options) {
       .add_option("--start-position-variance", options.start_position_variance,
                   "Variance of the start position, m^2; the start error is drawn from it")
       ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--profile", options.profile,
+                  "Landmark recordings: as recorded, or with the data set's measured calibration")
+      ->check(CLI::IsMember({"plain", "calibrated"}))
+      ->capture_default_str();
   command.add_option("--camera", options.camera, "Camera file of a video source");
   command.add_option("--odometry", options.odometry, "Odometry of a video source (CSV)");
   command.add_option("--times", options.times, "Frame times of a video source (CSV)");

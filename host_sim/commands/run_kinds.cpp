@@ -1,5 +1,6 @@
 #include "host_sim/commands/run_kinds.hpp"
 
+#include "host_sim/planar/recorded/recorded_kinds.hpp"
 #include "host_sim/run/video_run.hpp"
 
 namespace cairn::host {
@@ -13,6 +14,9 @@ const std::vector<RunKind>& run_kinds() {
       {"kitti", "DIR", run_kitti},
       {"tum-rgbd", "DIR", run_tum_rgbd},
       {"video", "FILE_OR_FOLDER", run_video},
+      {"lost-in-the-woods", "DIR", run_lost_in_the_woods},
+      {"mrclam", "DIR:ROBOT", run_mrclam},
+      {"victoria-park", "DIR", run_victoria_park},
   };
   return kinds;
 }

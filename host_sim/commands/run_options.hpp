@@ -23,6 +23,7 @@ struct RunOptions {
   std::string odometry_noise = "s1";
   std::optional<double> start_heading_variance;
   std::optional<double> start_position_variance;
+  std::string profile = "plain";  ///< plain, calibrated: of landmark recordings
   std::filesystem::path camera;
   std::filesystem::path odometry;
   std::filesystem::path times;
