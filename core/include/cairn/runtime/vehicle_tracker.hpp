@@ -52,10 +52,10 @@ class VehicleTracker {
     typename Supply::Parameters supply;
     typename Pool::Parameters pool;
     float sigma_px = 1.0F;
-    int target_in_view = 24;           ///< landmarks and candidates wanted in view
-    int max_births_per_frame = 4;      ///< new candidates
+    int target_in_view = 40;           ///< landmarks and candidates wanted in view
+    int max_births_per_frame = 6;      ///< new candidates
     int max_promotions_per_frame = 4;  ///< candidates that become landmarks
-    int max_searches = 32;
+    int max_searches = 40;
     int min_inliers = 4;
     int uncertain_frames_to_lost = 60;
     std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
@@ -91,7 +91,7 @@ class VehicleTracker {
   const Filter& filter() const { return filter_; }
   const PinholeCamera<float>& camera() const { return camera_; }
   const Rigid<float>& T_vehicle_camera() const { return T_vehicle_camera_; }
-  Rigid<float> T_world_camera() const { return lift(filter_.pose()) * T_vehicle_camera_; }
+  Rigid<float> T_world_camera() const { return lift(filter_.mean_pose()) * T_vehicle_camera_; }
   const Health& health() const { return health_; }
   TrackingState state() const { return state_; }
   void hash(Hash64& hash) const;

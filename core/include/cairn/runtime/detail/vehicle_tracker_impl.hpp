@@ -47,7 +47,7 @@ void VehicleTracker<Config, Filter>::augment(Augmenter& augmenter, const Mutable
                                              const TickSource& ticks, FrameReport& report) {
   const std::uint32_t start = ticks.now();
   if (state_ == TrackingState::kTracking && augmenter.wants_object()) {
-    Rigid<float> T_world_object = lift(filter_.pose());
+    Rigid<float> T_world_object = lift(filter_.mean_pose());
     T_world_object.translation = T_world_object * Vector3<float>(3.5F, 0.7F, 0.0F);
     static_cast<void>(augmenter.place(T_world_object));
   }
