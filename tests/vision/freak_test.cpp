@@ -1,5 +1,7 @@
 #include "cairn/vision/freak.hpp"
 
+#include <cmath>
+#include <cstdlib>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -93,6 +95,82 @@ TEST(Hamming, TiesKeepTheLowerIndexAndFillTheSecond) {
   EXPECT_EQ(one.distance, 9);
   EXPECT_EQ(one.second_distance, 513);
   EXPECT_EQ(match_hamming(query, {}).index, -1);
+}
+
+TEST(Hamming, CascadeLeavesOutWhatDiffersEarly) {
+  Descriptor query;
+  Descriptor candidates[3];
+  candidates[0].bytes[3] = 0x1F;   // 5 of the first 128 bits
+  candidates[1].bytes[60] = 0xFF;  // 8 later ones
+  candidates[2].bytes[16] = 0x7F;  // 7 just beyond the prefix
+  EXPECT_EQ(match_hamming(query, {candidates, 3}).index, 0);
+  EXPECT_EQ(match_hamming(query, {candidates, 3}, 5).index, 0);
+  const HammingMatch match = match_hamming(query, {candidates, 3}, 4);
+  EXPECT_EQ(match.index, 2);
+  EXPECT_EQ(match.distance, 7);
+  EXPECT_EQ(match.second_distance, 8);
+  EXPECT_FALSE(match.distinct(4, 5));
+  EXPECT_TRUE(match.distinct(9, 10));
+  EXPECT_EQ(match_hamming(query, {candidates, 1}, 4).index, -1);
+  EXPECT_FALSE(match_hamming(query, {candidates, 1}, 4).distinct(1, 1));
+}
+
+TEST(Hamming, WindowGatesTheCandidates) {
+  Descriptor query;
+  Descriptor candidates[4];
+  candidates[1].bytes[0] = 1;
+  candidates[2].bytes[0] = 3;
+  candidates[3].bytes[0] = 7;
+  const Corner corners[4] = {{9, 20, 1}, {10, 20, 1}, {19, 29, 1}, {20, 29, 1}};
+  const HammingMatch match =
+      match_hamming_in({10, 20, 20, 30}, query, {corners, 4}, {candidates, 4});
+  EXPECT_EQ(match.index, 1);
+  EXPECT_EQ(match.distance, 1);
+  EXPECT_EQ(match.second_distance, 2);
+  EXPECT_EQ(match_hamming_in({30, 20, 40, 30}, query, {corners, 4}, {candidates, 4}).index, -1);
+}
+
+TEST(Hamming, CrossMatchKeepsMutualBest) {
+  Descriptor queries[3];
+  Descriptor candidates[2];
+  queries[1].bytes[0] = 1;     // nearest to candidate 0 as well, but not as near as query 0
+  queries[2].bytes[0] = 0xFF;  // nearest to candidate 1
+  candidates[1].bytes[0] = 0x7F;
+  HammingMatch matches[3];
+  HammingMatch scratch[2];
+  cross_match_hamming({queries, 3}, {candidates, 2}, kNoPrefixLimit, matches, scratch);
+  EXPECT_EQ(matches[0].index, 0);
+  EXPECT_EQ(matches[1].index, -1);
+  EXPECT_EQ(matches[1].distance, 1);
+  EXPECT_EQ(matches[2].index, 1);
+  EXPECT_EQ(matches[2].distance, 1);
+  EXPECT_EQ(matches[2].second_distance, 8);
+}
+
+TEST(Freak, FullPrecisionOrientationIsFiner) {
+  // A ramp of known direction: the full orientation is near its bin, the cut one further off.
+  int cut_error = 0;
+  int full_error = 0;
+  for (int bin = 0; bin < 256; bin += 3) {
+    const double angle = bin * 6.283185307179586 / 256;
+    test::GreyImage image{64, 64, {}};
+    for (int y = 0; y < 64; ++y) {
+      for (int x = 0; x < 64; ++x) {
+        const double value = 128 + std::cos(angle) * (x - 32) + std::sin(angle) * (y - 32);
+        image.pixels.push_back(static_cast<std::uint8_t>(std::lround(value)));
+      }
+    }
+    Descriptor d;
+    std::uint8_t cut = 0;
+    std::uint8_t full = 0;
+    ASSERT_EQ(describe_freak(image.view(), 32, 32, d, cut), Status::kOk);
+    ASSERT_EQ(describe_freak(image.view(), 32, 32, d, full, FreakOrientation::kFull), Status::kOk);
+    const int error = std::abs(static_cast<std::int8_t>(full - bin));
+    EXPECT_LE(error, 2) << bin;
+    full_error += error;
+    cut_error += std::abs(static_cast<std::int8_t>(cut - bin));
+  }
+  EXPECT_LT(full_error, cut_error);
 }
 
 }  // namespace

@@ -53,9 +53,7 @@ CornerSink::CornerSink(const Rect& rect, const FastCells& cells, Corner* corners
 }
 
 void CornerSink::add(int x, int y, int score) {
-  const int cell = cell_count_ == 1
-                       ? 0
-                       : (y - rect_.y0) / cells_.height * columns_ + (x - rect_.x0) / cells_.width;
+  const int cell = (y - rect_.y0) / cells_.height * columns_ + (x - rect_.x0) / cells_.width;
   const Corner corner{static_cast<std::int16_t>(x), static_cast<std::int16_t>(y),
                       static_cast<std::uint8_t>(score)};
   Corner* const items = corners_ + cell * cells_.capacity;

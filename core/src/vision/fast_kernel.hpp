@@ -73,36 +73,25 @@ inline void load_circle(const std::uint8_t* p, std::ptrdiff_t stride,
   ((points[K] = Lanes::load(circle_point<K>(p, stride))), ...);
 }
 
-/// Score + 1 of every lane (0 where it is not a corner at any threshold): the largest over the 16
-/// arcs of nine points of the arc's least brightness above the centre, or of the centre above its
-/// greatest. Runs of 2, 4, 8 points are shared between arcs.
+/// Largest over the 16 arcs of nine points of the least of their points, lane by lane. Two arcs
+/// that start at neighbouring points share eight: both at once are min(those eight, max(the two
+/// others)).
 template <class Lanes>
-typename Lanes::Pixels arc_score_plus_one(const std::uint8_t* p, std::ptrdiff_t stride,
-                                          typename Lanes::Pixels centre) {
+typename Lanes::Pixels largest_arc_minimum(const typename Lanes::Pixels* points) {
   using Pixels = typename Lanes::Pixels;
-  Pixels point[16];
-  Pixels low2[16];
-  Pixels high2[16];
-  load_circle<Lanes>(p, stride, point, std::make_integer_sequence<int, 16>());
-  for (int k = 0; k < 16; ++k) {
-    low2[k] = Lanes::min(point[k], point[(k + 1) & 15]);
-    high2[k] = Lanes::max(point[k], point[(k + 1) & 15]);
+  Pixels run2[8];  // from the odd points on
+  Pixels run4[8];
+  for (int k = 0; k < 8; ++k) {
+    run2[k] = Lanes::min(points[2 * k + 1], points[(2 * k + 2) & 15]);
   }
-  Pixels low4[16];
-  Pixels high4[16];
-  for (int k = 0; k < 16; ++k) {
-    low4[k] = Lanes::min(low2[k], low2[(k + 2) & 15]);
-    high4[k] = Lanes::max(high2[k], high2[(k + 2) & 15]);
+  for (int k = 0; k < 8; ++k) run4[k] = Lanes::min(run2[k], run2[(k + 1) & 7]);
+  Pixels best = Lanes::splat(0);
+  for (int k = 0; k < 8; ++k) {
+    const Pixels run8 = Lanes::min(run4[k], run4[(k + 2) & 7]);
+    const Pixels ends = Lanes::max(points[2 * k], points[(2 * k + 9) & 15]);
+    best = Lanes::max(best, Lanes::min(run8, ends));
   }
-  Pixels brightest = Lanes::splat(0);
-  Pixels darkest = Lanes::splat(255);
-  for (int k = 0; k < 16; ++k) {
-    const Pixels& last = point[(k + 8) & 15];
-    brightest = Lanes::max(brightest, Lanes::min(Lanes::min(low4[k], low4[(k + 4) & 15]), last));
-    darkest = Lanes::min(darkest, Lanes::max(Lanes::max(high4[k], high4[(k + 4) & 15]), last));
-  }
-  return Lanes::max(Lanes::subtract_saturated(brightest, centre),
-                    Lanes::subtract_saturated(centre, darkest));
+  return best;
 }
 
 /// One row of scores and the corners in it as a bit per column. Score columns -1 and `width` exist
@@ -128,8 +117,23 @@ struct Survivors {
 template <class Lanes>
 struct BlockScorer {
   static void score(const std::uint8_t* p, std::ptrdiff_t stride, int threshold,
-                    const Survivors<Lanes>& /*survivors*/, int x, ScoreRow row) {
-    const auto plus_one = arc_score_plus_one<Lanes>(p, stride, Lanes::load(p));
+                    const Survivors<Lanes>& survivors, int x, ScoreRow row) {
+    using Pixels = typename Lanes::Pixels;
+    Pixels points[16];
+    load_circle<Lanes>(p, stride, points, std::make_integer_sequence<int, 16>());
+    const Pixels centre = Lanes::load(p);
+    const Pixels white = Lanes::splat(255);
+    // Score + 1: by how much the best arc lies above the centre, or below it.
+    Pixels plus_one = Lanes::splat(0);
+    if (!Lanes::none(survivors.bright)) {
+      plus_one = Lanes::subtract_saturated(largest_arc_minimum<Lanes>(points), centre);
+    }
+    if (!Lanes::none(survivors.dark)) {
+      for (Pixels& point : points) point = Lanes::subtract_saturated(white, point);
+      const Pixels inverse = Lanes::subtract_saturated(white, centre);
+      plus_one = Lanes::max(plus_one,
+                            Lanes::subtract_saturated(largest_arc_minimum<Lanes>(points), inverse));
+    }
     std::uint32_t corners =
         Lanes::nonzero_mask(Lanes::subtract_saturated(plus_one, Lanes::splat(threshold)));
     if (corners == 0) return;
@@ -226,8 +230,9 @@ __attribute__((always_inline)) inline bool find_survivors(const std::uint8_t* p,
                                                           Survivors<Lanes>& survivors) {
   AntipodalFilter<Lanes> filter(Lanes::load(p), threshold, Lanes::load(p + steps.three),
                                 Lanes::load(p + steps.minus_three));
-  if (filter.rejects()) return false;
-  // Pairs far apart on the circle first: they reject most.
+  // Pairs far apart on the circle first: they reject most. Many lanes rarely agree on one pair.
+  constexpr bool kTestOften = Lanes::kCount < 16;
+  if (kTestOften && filter.rejects()) return false;
   filter.add_pair(p + 3, p - 3);
   if (filter.rejects()) return false;
   const std::uint8_t* const below2 = keep_in_register(p + 2 * steps.one);
@@ -241,7 +246,7 @@ __attribute__((always_inline)) inline bool find_survivors(const std::uint8_t* p,
   const std::uint8_t* const above1 = keep_in_register(p - steps.one);
   filter.add_pair(below3 + 1, above3 - 1);
   filter.add_pair(below1 + 3, above1 - 3);
-  if (filter.rejects()) return false;
+  if (kTestOften && filter.rejects()) return false;
   filter.add_pair(above1 + 3, below1 - 3);
   filter.add_pair(above3 + 1, below3 - 1);
   survivors = {filter.bright(), filter.dark()};

@@ -188,6 +188,9 @@ struct VectorLanes {
   static Pixels load(const std::uint8_t* p) {
     return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
   }
+  static Pixels load_half(const std::uint8_t* p) {
+    return _mm_loadl_epi64(reinterpret_cast<const __m128i*>(p));
+  }
   static void store(std::uint8_t* p, Pixels v) {
     _mm_storeu_si128(reinterpret_cast<__m128i*>(p), v);
   }
@@ -218,6 +221,14 @@ struct VectorLanes {
       }
     }
     const Pixels mask = load(detail::kTailMask + 16 - width);
+    if (width <= 8) {
+      // Two rows to a register.
+      const Pixels both = _mm_unpacklo_epi64(mask, mask);
+      for (; height >= 2; height -= 2, p += 2 * stride) {
+        const Pixels rows = _mm_unpacklo_epi64(load_half(p), load_half(p + stride));
+        sum = _mm_add_epi32(sum, _mm_sad_epu8(_mm_and_si128(rows, both), zero));
+      }
+    }
     for (int y = 0; y < height; ++y, p += stride) {
       sum = _mm_add_epi32(sum, _mm_sad_epu8(_mm_and_si128(load(p), mask), zero));
     }

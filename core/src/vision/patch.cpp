@@ -134,9 +134,11 @@ void Template::remove_mean(std::int16_t* values) {
 
 void Template::project_out_values(std::int16_t* gradient) {
   remove_mean(gradient);
-  const std::int64_t along = dot(gradient, value_);
+  // |ratio| is at most 2^15: gradients are half differences of the values.
+  const auto ratio_q14 = static_cast<std::int32_t>(dot(gradient, value_) * (1 << 14) / energy_);
   for (int i = 0; i < kPixels; ++i) {
-    gradient[i] = static_cast<std::int16_t>(gradient[i] - along * value_[i] / energy_);
+    const std::int64_t along = static_cast<std::int64_t>(ratio_q14) * value_[i];
+    gradient[i] = static_cast<std::int16_t>(gradient[i] - ((along + (1 << 13)) >> 14));
   }
 }
 
@@ -187,28 +189,44 @@ bool Template::build(const Patch& patch, const PatchWarp& warp) {
   return true;
 }
 
-/// Visits the window's pixels: f(index, value in Q4).
+/// Visits the rows of the window: f(index of the row's first pixel, values in Q4, zero at
+/// mid-grey). A row or column whose weight is zero is not read.
 template <class F>
-void for_each_pixel(const ImageView& image, int x_q8, int y_q8, F f) {
+void for_each_row(const ImageView& image, int x_q8, int y_q8, F f) {
   const int fx = x_q8 & 255;
   const int fy = y_q8 & 255;
+  const int last = fx != 0 ? kSide : kSide - 1;
+  const std::ptrdiff_t down = fy != 0 ? image.stride : 0;
   const std::uint8_t* row = image.row((y_q8 >> 8) - kHalf) + (x_q8 >> 8) - kHalf;
   constexpr int kShift = 16 - kImageBits;
-  int i = 0;
+  constexpr int kOffset = (1 << (kShift - 1)) - (128 << 16);
+  std::int32_t column[kSide + 1];
+  std::int32_t values[kSide];
+  column[kSide] = 0;
   for (int y = 0; y < kSide; ++y, row += image.stride) {
-    for (int x = 0; x < kSide; ++x, ++i) {
-      f(i, (bilinear_q16(row + x, image.stride, fx, fy) + (1 << (kShift - 1))) >> kShift);
+    for (int x = 0; x <= last; ++x) column[x] = (row[x] << 8) + (row[x + down] - row[x]) * fy;
+    for (int x = 0; x < kSide; ++x) {
+      values[x] = ((column[x] << 8) + (column[x + 1] - column[x]) * fx + kOffset) >> kShift;
     }
+    f(y * kSide, values);
   }
 }
 
 Template::Response Template::respond(const ImageView& image, int x_q8, int y_q8) const {
   Response response;
-  for_each_pixel(image, x_q8, y_q8, [&](int i, int value) {
-    value -= 128 << kImageBits;
-    response.x += gradient_x_[i] * value;
-    response.y += gradient_y_[i] * value;
-    response.gain += value_[i] * value;
+  for_each_row(image, x_q8, y_q8, [&](int first, const std::int32_t* values) {
+    // A row fits into 32 bits: 11 * 2^15 * 2^11.
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    std::int32_t gain = 0;
+    for (int i = 0; i < kSide; ++i) {
+      x += gradient_x_[first + i] * values[i];
+      y += gradient_y_[first + i] * values[i];
+      gain += value_[first + i] * values[i];
+    }
+    response.x += x;
+    response.y += y;
+    response.gain += gain;
   });
   return response;
 }
@@ -238,21 +256,27 @@ std::uint32_t square_root(std::uint64_t value) {
 }
 
 int Template::correlation_q10(const ImageView& image, int x_q8, int y_q8) const {
-  std::int64_t sum = 0;
+  std::int32_t sum = 0;
   std::int64_t squares = 0;
   std::int64_t product = 0;
-  for_each_pixel(image, x_q8, y_q8, [&](int i, int value) {
-    if (!covered_[i]) return;
-    sum += value;
-    squares += value * value;
-    product += value_[i] * value;
+  for_each_row(image, x_q8, y_q8, [&](int first, const std::int32_t* values) {
+    std::int32_t row_squares = 0;
+    std::int32_t row_product = 0;
+    for (int i = 0; i < kSide; ++i) {
+      const std::int32_t value = covered_[first + i] ? values[i] : 0;
+      sum += value;
+      row_squares += value * value;
+      row_product += value_[first + i] * value;
+    }
+    squares += row_squares;
+    product += row_product;
   });
-  const std::int64_t variance = squares - sum * sum / count_;  // Q8
+  const std::int64_t variance = squares - static_cast<std::int64_t>(sum) * sum / count_;  // Q8
   if (variance <= 0) return 0;
   // The values have zero mean up to rounding; what is left of it meets the image's mean here.
-  std::int64_t value_sum = 0;
+  std::int32_t value_sum = 0;
   for (int i = 0; i < kPixels; ++i) value_sum += value_[i];
-  product -= value_sum * sum / count_;
+  product -= static_cast<std::int64_t>(value_sum) * sum / count_;
   const std::int64_t norm =
       static_cast<std::int64_t>(square_root(static_cast<std::uint64_t>(energy_))) *
       square_root(static_cast<std::uint64_t>(variance));  // Q11
