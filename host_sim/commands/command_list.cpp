@@ -5,6 +5,7 @@
 #include "host_sim/commands/run_command.hpp"
 #include "host_sim/commands/turntable_command.hpp"
 #include "host_sim/commands/vision_command.hpp"
+#include "host_sim/commands/vision_quality_command.hpp"
 
 namespace cairn::host {
 
@@ -15,6 +16,7 @@ void register_commands(CommandContext& context) {
   register_merge_command(context);
   register_turntable_command(context);
   register_vision_command(context);
+  register_vision_quality_command(context);
 }
 
 }  // namespace cairn::host
