@@ -104,7 +104,7 @@ class Runner {
     while (t - now_ > kSameInstant) {
       const double dt = std::min(t - now_, kLargestStep);
       Increment increment = twist_increment(sample.speed_mps, sample.turn_radps, dt, 0.0, 0.0,
-                                            MotionModel::kExactArc);
+                                            IncrementModel::kExactArc);
       increment.covariance = dt * sample.density;
       increment.covariance(1, 0) = increment.covariance(0, 1);
       {
