@@ -24,7 +24,8 @@ class CandidateDepth : public ::testing::Test {
     FastReport report;
     ASSERT_TRUE(ok(detect_fast(test::view(image, camera_), {60, 60, 260, 180}, 40, scratch, corners,
                                64, report)));
-    pool_.follow(test::view(image, camera_), test::to_float(camera_), Rigid<float>{}, parameters_);
+    pool_.follow(test::view(image, camera_), test::to_float(camera_), Rigid<float>{}, parameters_,
+                 scratch_);
     for (int i = 0; i < report.found - report.dropped && !pool_.full(); i += 3) {
       static_cast<void>(pool_.add(test::view(image, camera_), test::to_float(camera_), corners[i].x,
                                   corners[i].y, parameters_));
@@ -35,6 +36,7 @@ class CandidateDepth : public ::testing::Test {
   PinholeCamera<double> camera_ = test::small_camera();
   PlaneScene scene_{kDepth};
   Pool pool_;
+  SearchScratch scratch_;
   Pool::Parameters parameters_;
 };
 
@@ -47,7 +49,7 @@ TEST_F(CandidateDepth, IsFoundBySidewaysMotion) {
     const Rigid<double> T{Quaternion<double>::Identity(), {0.05 * k, 0, 0}};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
-                 parameters_);
+                 parameters_, scratch_);
     Promotion promotion;
     while (pool_.promote(test::to_float(camera_), test::to_float(T), parameters_, promotion)) {
       ++promoted;
@@ -66,7 +68,7 @@ TEST_F(CandidateDepth, StaysUnknownUnderPureRotation) {
     const Rigid<double> T{rotation_exp(Vector3<double>(0, 0.01 * k, 0)), {0, 0, 0}};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
-                 parameters_);
+                 parameters_, scratch_);
     Promotion promotion;
     EXPECT_FALSE(pool_.promote(test::to_float(camera_), test::to_float(T), parameters_, promotion));
   }
@@ -80,7 +82,7 @@ TEST_F(CandidateDepth, LostCandidatesAreDropped) {
   int dropped = 0;
   for (int k = 0; k < 4; ++k) {
     dropped += pool_.follow(test::view(other, camera_), test::to_float(camera_), Rigid<float>{},
-                            parameters_);
+                            parameters_, scratch_);
   }
   // One in ten may look alike by chance: what they are not is lost in silence.
   EXPECT_EQ(dropped + pool_.size(), started);

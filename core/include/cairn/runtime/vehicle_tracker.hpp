@@ -135,6 +135,7 @@ class VehicleTracker {
   Random random_;
   Health health_;
   PlanarPose<float> reckoned_;  ///< dead reckoning: odometry alone, the candidates' motion
+  float frame_step_s_ = 0.0F;
   float turn_variance_ = 0.0F;  ///< of it since the last frame, rad^2
   OdometrySample motion_;       ///< last sample: held for extrapolation
   TrackingState state_ = TrackingState::kInitialising;

@@ -3,6 +3,7 @@
 #include "cairn/geometry/camera.hpp"
 #include "cairn/numeric/fixed_vector.hpp"
 #include "cairn/numeric/math.hpp"
+#include "cairn/tracking/active_search.hpp"
 #include "cairn/tracking/appearance.hpp"
 
 namespace cairn {
@@ -55,6 +56,7 @@ class CandidatePool {
     int max_views = 150;
     int max_misses = 2;
     int min_correlation_q10 = 768;
+    SearchParameters search;
   };
 
   int size() const { return candidates_.size(); }
@@ -85,13 +87,15 @@ class CandidatePool {
   /// Follows every candidate into `image`, taken at the caller's estimate `T_world_camera` (only
   /// its motion since the last call counts). Lost candidates are dropped, their number returned.
   int follow(const ImageView& image, const PinholeCamera<float>& camera,
-             const Rigid<float>& T_odometry_camera, const Parameters& parameters) {
+             const Rigid<float>& T_odometry_camera, const Parameters& parameters,
+             SearchScratch& scratch) {
     if (has_pose_) {
       T_pool_camera_ = T_pool_camera_ * (T_odometry_last_.inverse() * T_odometry_camera);
     }
     T_odometry_last_ = T_odometry_camera;
     has_pose_ = true;
     measure_all(image, camera, parameters);
+    search_missing(image, camera, parameters, scratch);
     correct_rotation(camera, parameters);
     return correct_depths(camera, parameters);
   }
@@ -185,6 +189,33 @@ class CandidatePool {
         found_[i] = found[i];
         pixels_[i] = pixels[i];
       }
+    }
+  }
+
+  /// Looks for the candidates that alignment did not find in the window of their unknown depth and
+  /// rotation, by descriptor.
+  void search_missing(const ImageView& image, const PinholeCamera<float>& camera,
+                      const Parameters& parameters, SearchScratch& scratch) {
+    const float shared =
+        square(camera.fx * parameters.rotation_sigma_rad) + square(parameters.sigma_px);
+    for (int i = 0; i < candidates_.size(); ++i) {
+      if (found_[i]) continue;
+      const Candidate& c = candidates_[i];
+      Expected expected;
+      Matrix2<float> warp;
+      if (!expect(camera, c, expected) ||
+          !ok(predict_warp(camera, c.appearance.T_world_reference, T_pool_camera_,
+                           expected.p_camera, warp))) {
+        continue;
+      }
+      PixelPrediction<float> prediction;
+      prediction.pixel = expected.pixel;
+      prediction.covariance = c.variance * (expected.slope * expected.slope.transpose()) +
+                              shared * Matrix2<float>::Identity();
+      prediction.p_camera = expected.p_camera;
+      SearchReport report;
+      found_[i] = ok(search_landmark(image, prediction, c.appearance, warp, parameters.search,
+                                     scratch, pixels_[i], report));
     }
   }
 

@@ -118,6 +118,16 @@ VehicleTracker<Config, Filter>::pool_parameters() const {
   const float speed = abs(motion_.speed_mps) > kSlowest ? abs(motion_.speed_mps) : kSlowest;
   pool.translation_noise =
       parameters_.odometry.sigma_speed_mps * sqrt(parameters_.odometry.sample_period_s / speed);
+  pool.search = parameters_.search;
+  // Depth is told by the way made between frames: a fast vehicle must look, and may trust, farther.
+  constexpr float kInitialDepthInSteps = 12.0F;
+  constexpr float kMaxDepthInSteps = 60.0F;
+  const float step = speed * frame_step_s_;
+  if (kInitialDepthInSteps * step > pool.initial_depth_m) {
+    pool.initial_depth_m = kInitialDepthInSteps * step;
+    pool.initial_sigma_rho = 1.0F / pool.initial_depth_m;
+  }
+  if (kMaxDepthInSteps * step > pool.max_depth_m) pool.max_depth_m = kMaxDepthInSteps * step;
   pool.rotation_sigma_rad = sqrt(turn_variance_) + 1e-4F;
   return pool;
 }
@@ -147,6 +157,7 @@ Status VehicleTracker<Config, Filter>::process_frame(const ImageView& image, std
   const std::uint32_t prepared = ticks.now();
 
   report.status = integrate_to(t_us);
+  frame_step_s_ = has_frame_ ? static_cast<float>(t_us - last_frame_us_) * 1e-6F : 0.0F;
   last_frame_us_ = t_us;
   has_frame_ = true;
   const std::uint32_t predicted = ticks.now();
@@ -217,8 +228,8 @@ void VehicleTracker<Config, Filter>::remove_landmarks(FrameReport& report) {
 
 template <class Config, class Filter>
 void VehicleTracker<Config, Filter>::build_map(const ImageView& image, FrameReport& report) {
-  const int dropped =
-      pool_.follow(image, camera_, lift(reckoned_) * T_vehicle_camera_, pool_parameters());
+  const int dropped = pool_.follow(image, camera_, lift(reckoned_) * T_vehicle_camera_,
+                                   pool_parameters(), scratch_.search);
 
   health_.candidates_dropped += static_cast<std::uint32_t>(dropped);
   promote_candidates(report);
@@ -243,7 +254,7 @@ void VehicleTracker<Config, Filter>::build_map(const ImageView& image, FrameRepo
   report.corners += supplied.corners;
   health_.corners_dropped += static_cast<std::uint32_t>(supplied.corners_dropped);
   for (int i = 0; i < found; ++i) {
-    const Status status = pool_.add(image, camera_, corners[i].x, corners[i].y, parameters_.pool);
+    const Status status = pool_.add(image, camera_, corners[i].x, corners[i].y, pool_parameters());
     if (status == Status::kFull) break;
   }
 }
