@@ -15,7 +15,9 @@ ALLOWED = re.compile(
     r"^(mem(cpy|move|set|cmp)|(sqrt|fabs|floor)f?"
     r"|__aeabi_(mem(cpy|move|set|clr)[48]?|u?idiv(mod)?|u?ldivmod|lmul|ll?s[lr]|lasr|u?lcmp"
     r"|[fd]2u?lz|u?l2[fd])"
-    r"|__popcount[sd]i2|__clz[sd]i2|__ctz[sd]i2|_GLOBAL_OFFSET_TABLE_)$")
+    r"|__popcount[sd]i2|__clz[sd]i2|__ctz[sd]i2|_GLOBAL_OFFSET_TABLE_"
+    # x86: which CPU this is, for popcnt; a constant of the compiler's runtime
+    r"|__cpu_model)$")
 SOFT_DOUBLE = re.compile(r"^__aeabi_(d\w+|c?d(cmp\w*|rcmple)|[fiu]+2d|u?l2d|d2\w+)$")
 KNOWN = [
     (re.compile(r"^(malloc|calloc|realloc|free|_\w*alloc_r|_free_r|_?sbrk\w*|aligned_alloc|posix_memalign"
