@@ -22,6 +22,16 @@ FRAME = re.compile(r"(\d+) bytes \(([a-z,]+)\)")
 INDIRECT = "__indirect_call"
 
 
+def title_of(text):
+    """One name for a function wherever it is named: GCC puts the file before weak functions (such as
+    explicit instantiations) in the file that defines them, and names complete constructors (C1),
+    whose body is that of the base constructor (C2)."""
+    name = text.rsplit(":", 1)[-1]
+    if not name.startswith("_Z") or "_GLOBAL__N_1" in name or name.startswith("_ZL"):
+        return text
+    return re.sub(r"([CD])1E", r"\g<1>2E", name)
+
+
 class Graph:
     def __init__(self):
         self.frames = {}   # function -> bytes
@@ -32,6 +42,7 @@ class Graph:
     def read(self, file):
         text = file.read_text()
         for title, label in NODE.findall(text):
+            title = title_of(title)
             frame = FRAME.search(label)
             if frame:
                 self.frames[title] = max(self.frames.get(title, 0), int(frame[1]))
@@ -39,7 +50,7 @@ class Graph:
                 if frame[2] == "dynamic":
                     self.dynamic.add(title)
         for source, target in EDGE.findall(text):
-            self.calls.setdefault(source, set()).add(target)
+            self.calls.setdefault(title_of(source), set()).add(title_of(target))
 
     def name(self, function):
         return self.names.get(function, function)[:120]
@@ -124,6 +135,10 @@ class Graph:
 def graph_of(paths):
     graph = Graph()
     for path in map(pathlib.Path, paths):
+        # A compiler cache hands back the object without its call graph.
+        for built in path.rglob("*.obj") if path.is_dir() else []:
+            if not built.with_suffix(".ci").exists() and not built.with_suffix("").with_suffix(".ci").exists():
+                sys.exit(f"{built}: no call graph beside it; build without a compiler cache")
         for file in sorted(path.rglob("*.ci")) if path.is_dir() else [path]:
             graph.read(file)
     return graph
@@ -131,7 +146,7 @@ def graph_of(paths):
 
 # Of newlib and libgcc, written by hand in assembler: read from their disassembly, rounded up.
 EXTERNAL = [
-    (re.compile(r"mem(cpy|move|set|cmp)|__aeabi_mem\w+|(floor|sqrt|fabs)f?"), 40),
+    (re.compile(r"mem(cpy|move|set|cmp)|__aeabi_mem\w+|(floor|sqrt|fabs)f?|strlen"), 40),
     (re.compile(r"__aeabi_\w+|__popcountsi2|__popcountdi2"), 64),
 ]
 

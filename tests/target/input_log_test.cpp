@@ -36,6 +36,7 @@ InputLogHeader make_header() {
   header.odometry_kind = OdometrySample::Kind::kAckermann;
   header.adaptive_fading = true;
   header.fading = 1.009F;
+  header.start_t_us = -7;
   header.seed = 0x123456789ABCDEF0ULL;
   header.camera = {10.0F, 11.0F, 6.0F, 2.5F, 0.1F, -0.2F, 0.01F, -0.02F, 0.3F, kWidth, kHeight};
   header.T_vehicle_camera.rotation = Quaternion<float>(0.5F, -0.5F, 0.5F, -0.5F);
@@ -113,6 +114,7 @@ TEST(InputLog, ReadsBackWhatWasWritten) {
   EXPECT_EQ(replay.header.filter, expected.filter);
   EXPECT_EQ(replay.header.mode, expected.mode);
   EXPECT_EQ(replay.header.seed, expected.seed);
+  EXPECT_EQ(replay.header.start_t_us, expected.start_t_us);
   EXPECT_TRUE(replay.header.adaptive_fading);
   EXPECT_EQ(replay.header.camera.k3, expected.camera.k3);
   EXPECT_EQ(replay.header.camera.width, kWidth);

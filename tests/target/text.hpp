@@ -47,4 +47,12 @@ inline const char* argument(int argc, char** argv, const char* name, const char*
   return fallback;
 }
 
+/// Decimal number at the start of `text`, at most 1e9.
+inline int parse_decimal(const char* text) {
+  int value = 0;
+  for (; *text >= '0' && *text <= '9' && value < 100000000; ++text)
+    value = 10 * value + *text - '0';
+  return value;
+}
+
 }  // namespace cairn_test

@@ -160,6 +160,7 @@ void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeade
   pack.u16(0);
   pack.f32(header.fading);
   pack.u64(header.seed);
+  pack.u64(static_cast<std::uint64_t>(header.start_t_us));
   const PinholeCamera<float>& c = header.camera;
   for (const float value : {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3}) pack.f32(value);
   const Rigid<float>& T = header.T_vehicle_camera;
@@ -192,6 +193,7 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], InputLogHeade
   unpack.u16();
   header.fading = unpack.f32();
   header.seed = unpack.u64();
+  header.start_t_us = static_cast<std::int64_t>(unpack.u64());
   PinholeCamera<float>& c = header.camera;
   for (float* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3}) {
     *value = unpack.f32();

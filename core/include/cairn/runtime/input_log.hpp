@@ -28,6 +28,7 @@ struct InputLogHeader {
   bool adaptive_fading = false;
   float fading = 1.0F;  ///< fading-memory factor S, 1 <= S <= 2
   std::uint64_t seed = 1;
+  std::int64_t start_t_us = 0;  ///< time of the start pose: the first frame's
   PinholeCamera<float> camera;
   Rigid<float> T_vehicle_camera;
   float speed_sigma_mps = 0.0F;
@@ -56,7 +57,7 @@ namespace detail {
 
 inline constexpr int kLogMagicBytes = 8;
 inline constexpr int kLogRecordHeadBytes = 8;
-inline constexpr int kLogHeaderBytes = 128;
+inline constexpr int kLogHeaderBytes = 136;
 inline constexpr int kLogOdometryBytes = 20;
 inline constexpr int kLogFrameHeadBytes = 16;
 inline constexpr int kLogEndBytes = 8;

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/numeric/hash.hpp"
+#include "cairn/numeric/health.hpp"
+#include "cairn/numeric/status.hpp"
+#include "cairn/runtime/frame_report.hpp"
+#include "cairn/runtime/handheld_tracker.hpp"
+#include "cairn/runtime/input_log.hpp"
+#include "cairn/runtime/vehicle_tracker.hpp"
+
+namespace cairn {
+
+/// Sets a tracker up as the header of an input log says. kBadConfig when the log is of the other
+/// mode, or as the tracker's initialise(). The filter of a vehicle log is the caller's to choose:
+/// it is the tracker's type.
+template <class Config, class Filter>
+Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>& tracker);
+template <class Config>
+Status start_replay(const InputLogHeader& header, HandheldTracker<Config>& tracker);
+
+/// Odometry of a log goes to vehicle trackers alone.
+template <class Config, class Filter>
+Status replay_odometry(const OdometrySample& sample, VehicleTracker<Config, Filter>& tracker) {
+  return tracker.add_odometry(sample);
+}
+template <class Config>
+Status replay_odometry(const OdometrySample&, HandheldTracker<Config>&) {
+  return Status::kOk;
+}
+
+/// Feeds everything of a report that the tracker decided (its ticks apart), or every counter, to a
+/// hash.
+void add_to_hash(Hash64& hash, const FrameReport& report);
+void add_to_hash(Hash64& hash, const Health& health);
+
+/// Fingerprint of a tracker after a frame: report, state (pose, covariance, landmarks) and
+/// counters.
+template <class Tracker>
+std::uint64_t frame_hash(const Tracker& tracker, const FrameReport& report) {
+  Hash64 hash;
+  add_to_hash(hash, report);
+  tracker.hash(hash);
+  add_to_hash(hash, tracker.health());
+  return hash.value();
+}
+
+template <class Config, class Filter>
+Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>& tracker) {
+  if (header.mode != LogMode::kVehicle) return Status::kBadConfig;
+  using Tracker = VehicleTracker<Config, Filter>;
+  typename Tracker::Parameters parameters;
+  parameters.seed = header.seed;
+  parameters.odometry.sigma_speed_mps = header.speed_sigma_mps;
+  parameters.odometry.sigma_turn = header.turn_sigma;
+  parameters.odometry.wheelbase_m = header.wheelbase_m;
+  parameters.odometry.sample_period_s = header.odometry_period_s;
+  typename Tracker::Start start;
+  start.pose.position = Vector2<float>(header.start_x_m, header.start_y_m);
+  start.pose.heading = header.start_theta_rad;
+  start.covariance(0, 0) = header.start_position_variance;
+  start.covariance(1, 1) = header.start_position_variance;
+  start.covariance(2, 2) = header.start_heading_variance;
+  start.t_us = header.start_t_us;
+  return tracker.initialise(header.camera, header.T_vehicle_camera, start, parameters);
+}
+
+template <class Config>
+Status start_replay(const InputLogHeader& header, HandheldTracker<Config>& tracker) {
+  if (header.mode != LogMode::kHandheld) return Status::kBadConfig;
+  typename HandheldTracker<Config>::Parameters parameters;
+  parameters.seed = header.seed;
+  parameters.filter.fading = header.adaptive_fading ? FadingMode::kAdaptive : FadingMode::kFixed;
+  parameters.filter.fading_factor = header.fading;
+  return tracker.initialise(header.camera, parameters);
+}
+
+}  // namespace cairn

@@ -1,0 +1,79 @@
+#!/usr/bin/env python3
+"""Memory of the replay images of a firmware build: flash, static RAM, worst stack by call graph.
+
+usage: memory.py BUILD_FOLDER SIZE_TOOL BUDGET_FILE BOARD
+Fails when an image needs more than its budget (bytes), or when one has no budget.
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gates"))
+import call_graph  # noqa: E402
+
+FLASH = {".text", ".ARM.extab", ".ARM.exidx", ".init_array", ".data"}
+RAM = {".data", ".bss"}
+# Calls through a pointer in a replay: the tick source handed in and, in the port, constructors.
+INDIRECT_BYTES = 16
+
+
+def images(build):
+    return sorted(p for p in (build / "bin").glob("replay_*.elf"))
+
+
+def name_of(image):
+    return image.stem.removeprefix("replay_")
+
+
+def sections(size_tool, image):
+    text = subprocess.run([size_tool, "-A", image], capture_output=True, text=True, check=True).stdout
+    return {m[1]: int(m[2]) for m in re.finditer(r"^(\.\S+)\s+(\d+)", text, re.M)}
+
+
+def stack(build, image):
+    """(bytes of the deepest path from main, that path as text, what stands against the figure)"""
+    graph = call_graph.graph_of([build / "core", build / "port/CMakeFiles/cairn_port.dir",
+                                 build / f"tests/target/CMakeFiles/{image.stem}.dir"])
+    faults = [f"recursion: {[graph.name(f) for f in c]}" for c in graph.cycles()]
+    if faults:
+        return 0, [], faults
+    total, path, unknown = graph.deepest("main", call_graph.EXTERNAL, INDIRECT_BYTES)
+    return total, [f"{size} {graph.name(function)}" for function, size in path], list(unknown)
+
+
+def memory_of(build, size_tool, image):
+    size = sections(size_tool, image)
+    stack_bytes, path, faults = stack(build, image)
+    return {
+        "flash_bytes": sum(v for k, v in size.items() if k in FLASH),
+        "ram_bytes": sum(v for k, v in size.items() if k in RAM),
+        "frame_bytes": size.get(".frames", 0),
+        "stack_bytes": stack_bytes,
+        "stack_path": path,
+        "stack_faults": faults,
+    }
+
+
+def main():
+    build, size_tool, budget_file, board = pathlib.Path(sys.argv[1]), *sys.argv[2:5]
+    budgets = json.loads(pathlib.Path(budget_file).read_text()).get(board, {})
+    bad = 0
+    for image in images(build):
+        memory = memory_of(build, size_tool, image)
+        budget = budgets.get(name_of(image))
+        print(f"{name_of(image)}:")
+        for key in ("flash_bytes", "ram_bytes", "stack_bytes"):
+            allowed = budget[key] if budget else 0
+            over = memory[key] > allowed
+            bad += over
+            print(f"  {key:12s} {memory[key]:8d} of {allowed:8d}{'  OVER' if over else ''}")
+        for fault in memory["stack_faults"]:
+            print(f"  {fault}")
+        bad += len(memory["stack_faults"])
+    return 1 if bad or not images(build) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
