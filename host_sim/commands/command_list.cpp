@@ -2,6 +2,7 @@
 #include "host_sim/commands/consistency_command.hpp"
 #include "host_sim/commands/info_command.hpp"
 #include "host_sim/commands/merge_command.hpp"
+#include "host_sim/commands/replay_command.hpp"
 #include "host_sim/commands/run_command.hpp"
 #include "host_sim/commands/turntable_command.hpp"
 #include "host_sim/commands/vision_command.hpp"
@@ -11,6 +12,7 @@ namespace cairn::host {
 
 void register_commands(CommandContext& context) {
   register_run_command(context);
+  register_replay_command(context);
   register_info_command(context);
   register_consistency_command(context);
   register_merge_command(context);

@@ -10,11 +10,11 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "cairn/numeric/hash.hpp"
+#include "cairn/runtime/replay.hpp"
 
 #include "host_sim/run/host_ticks.hpp"
 #include "host_sim/run/names.hpp"
 #include "host_sim/run/overlay_video.hpp"
-#include "host_sim/run/report_hash.hpp"
 
 namespace cairn::host {
 namespace {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/run/input_log_file.hpp"
 #include "host_sim/run/names.hpp"
 #include "host_sim/run/report.hpp"
 #include "host_sim/run/run_outputs.hpp"
@@ -133,7 +134,13 @@ ExitCode run_source(FrameSource& source, const RunOptions& options) {
   RunnerSettings runner;
   runner.out = options.out;
   runner.video = options.video;
-  const RunRecord record = run_frames(source, frame, *tracker, runner);
+  std::optional<RecordingSource> recording;
+  if (!options.record.empty()) {
+    recording.emplace(source, options.record,
+                      to_log_header(tracker_settings, source.info(), frame.t_us), frame);
+  }
+  FrameSource& input = recording ? *recording : source;
+  const RunRecord record = run_frames(input, frame, *tracker, runner);
   const RegistrationResult registration =
       evaluate_registration(record.registration_input, source.info().camera,
                             registration_settings(source.info(), tracker_settings.mode));

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+
+#include "cairn/runtime/input_log.hpp"
+
+#include "host_sim/run/tracker.hpp"
+#include "host_sim/sources/frame_source.hpp"
+
+namespace cairn::host {
+
+/// Header of the input log of a run with `options` on `source`, whose first frame is at `start_us`.
+InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& source,
+                             std::int64_t start_us);
+
+/// A source that writes what it hands on into an input log. Throws InputError when the log cannot
+/// be written.
+class RecordingSource : public FrameSource {
+ public:
+  /// `first` was taken from `source` already.
+  RecordingSource(FrameSource& source, std::filesystem::path path, const InputLogHeader& header,
+                  const Frame& first);
+
+  const SourceInfo& info() const override { return source_.info(); }
+  /// Completes the log after the last frame.
+  bool next(Frame& frame) override;
+
+ private:
+  struct Sink {
+    std::ofstream stream;
+    bool write(const std::uint8_t* bytes, int count);
+  };
+
+  void record(const Frame& frame);
+  void check(Status status) const;
+
+  FrameSource& source_;
+  std::filesystem::path path_;
+  Sink sink_;
+  InputLogWriter<Sink> writer_;
+};
+
+/// Replays an input log on the tracker that its header names and prints one line per frame: number,
+/// time, status, hash. `config`: default, tiny, large, or empty for the smallest of default and
+/// large that holds the frames. Throws InputError, naming the file, for anything but a whole log.
+void replay_log(const std::filesystem::path& path, const std::string& config);
+
+}  // namespace cairn::host
