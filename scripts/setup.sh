@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what building, testing and running need on Debian 12. Does nothing when all is there.
+# Installs what building, testing and running need on Debian 12, and packages named as arguments.
+# Does nothing when all is there.
 set -euo pipefail
 
 packages=(
@@ -7,7 +8,8 @@ packages=(
   libeigen3-dev libopencv-dev libgtest-dev libbenchmark-dev librapidcheck-dev
   libcli11-dev nlohmann-json3-dev libyaml-cpp-dev libfmt-dev
   python3 python3-matplotlib valgrind
-  gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
+  gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm llvm
+  "$@"
 )
 
 missing=()

@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# Checks the format of every source and runs clang-tidy over the core: scripts/lint.sh [--fix-format]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+mapfile -t sources < <(git ls-files '*.hpp' '*.h' '*.cpp' '*.c')
+if [ "${1:-}" = --fix-format ]; then
+  clang-format -i "${sources[@]}"
+else
+  clang-format --dry-run --Werror "${sources[@]}"
+fi
+
+[ -f build/host/compile_commands.json ] || cmake --preset host
+mapfile -t core < <(git ls-files 'core/src/*.cpp')
+printf '%s\n' "${core[@]}" | xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p build/host
