@@ -90,8 +90,7 @@ inline Drive make_drive(unsigned seed, const WorldSettings& s = WorldSettings{})
     const double turn = turn_rate * s.dt_s * (1.0 + 0.6 * std::cos(4.0 * phase));
     const double phi = std::atan(turn * s.wheelbase_m / (s.dt_s * s.speed));
     const bool arc = s.model == IncrementModel::kExactArc;
-    const double distance =
-        s.dt_s * s.speed * (arc ? std::sin(0.5 * turn) / (0.5 * turn) : 1.0);
+    const double distance = s.dt_s * s.speed * (arc ? std::sin(0.5 * turn) / (0.5 * turn) : 1.0);
     const double direction = x(2) + (arc ? 0.5 * turn : 0.0);
     x(0) += distance * std::cos(direction);
     x(1) += distance * std::sin(direction);

@@ -112,10 +112,10 @@ Status validate(const PlanarIncrement<T>& increment) {
   return Status::kOk;
 }
 
-#define CAIRN_INSTANTIATE(T)                                                      \
+#define CAIRN_INSTANTIATE(T)                                                         \
   template PlanarIncrement<T> ackermann_increment(T, T, T, T, T, T, IncrementModel); \
   template PlanarIncrement<T> twist_increment(T, T, T, T, T, IncrementModel);        \
-  template Displacement<T> displacement(const PlanarIncrement<T>&);               \
+  template Displacement<T> displacement(const PlanarIncrement<T>&);                  \
   template Status validate(const PlanarIncrement<T>&);
 CAIRN_INSTANTIATE(float)
 CAIRN_INSTANTIATE(double)

@@ -7,10 +7,10 @@ namespace cairn {
 
 /// Limits of one_point_ransac().
 struct OnePointRansacParameters {
-  float probability = 0.99F;          ///< wanted chance that one hypothesis is free of outliers
-  int max_hypotheses = 16;            ///< bound of the work
-  int min_support = 5;                ///< fewer supporters: no consensus
-  float min_support_fraction = 0.25F; ///< smaller share of the candidates: no consensus
+  float probability = 0.99F;           ///< wanted chance that one hypothesis is free of outliers
+  int max_hypotheses = 16;             ///< bound of the work
+  int min_support = 5;                 ///< fewer supporters: no consensus
+  float min_support_fraction = 0.25F;  ///< smaller share of the candidates: no consensus
 };
 
 /// Outcome of one_point_ransac(). `supporters[i]` tells whether candidate i agrees with the best
