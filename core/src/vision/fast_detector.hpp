@@ -35,27 +35,54 @@ class ScoreRows {
 
   /// Corners of the row before the current one whose score is above all eight neighbours'. Returns
   /// how many corners there were before suppression.
+  template <class Lanes>
   int suppress(int x0, int y, CornerSink& sink) const {
-    const std::uint8_t* const above = rows_[0].scores;
-    const std::uint8_t* const middle = rows_[1].scores;
-    const std::uint8_t* const below = rows_[2].scores;
     int candidates = 0;
     for (int w = 0; w < words_; ++w) {
-      for (std::uint32_t bits = rows_[1].corner_bits[w]; bits != 0; bits &= bits - 1) {
-        const int x = 32 * w + __builtin_ctz(bits);
-        const int score = middle[x];
-        ++candidates;
-        if (score > middle[x - 1] && score > middle[x + 1] && score > above[x - 1] &&
-            score > above[x] && score > above[x + 1] && score > below[x - 1] && score > below[x] &&
-            score > below[x + 1]) {
-          sink.add(x0 + x, y, score);
+      std::uint32_t bits = rows_[1].corner_bits[w];
+      if (bits == 0) continue;
+      if constexpr (Lanes::kCount >= 16) {
+        candidates += __builtin_popcount(bits);
+        bits = 0;
+        for (int x = 0; x < 32; x += Lanes::kCount) {
+          bits |= peaks<Lanes>(32 * w + x) << static_cast<unsigned>(x);
         }
+      }
+      for (; bits != 0; bits &= bits - 1) {
+        const int x = 32 * w + __builtin_ctz(bits);
+        if constexpr (Lanes::kCount < 16) {
+          ++candidates;
+          if (!is_peak(x)) continue;
+        }
+        sink.add(x0 + x, y, rows_[1].scores[x]);
       }
     }
     return candidates;
   }
 
  private:
+  bool is_peak(int x) const {
+    const std::uint8_t* const above = rows_[0].scores + x;
+    const std::uint8_t* const middle = rows_[1].scores + x;
+    const std::uint8_t* const below = rows_[2].scores + x;
+    const int score = middle[0];
+    return score > middle[-1] && score > middle[1] && score > above[-1] && score > above[0] &&
+           score > above[1] && score > below[-1] && score > below[0] && score > below[1];
+  }
+
+  /// The same for the columns from x on, a bit each.
+  template <class Lanes>
+  std::uint32_t peaks(int x) const {
+    const std::uint8_t* const middle = rows_[1].scores + x;
+    auto strongest = Lanes::max(Lanes::load(middle - 1), Lanes::load(middle + 1));
+    for (const ScoreRow& row : {rows_[0], rows_[2]}) {
+      const std::uint8_t* const p = row.scores + x;
+      strongest = Lanes::max(strongest, Lanes::max(Lanes::load(p - 1), Lanes::load(p + 1)));
+      strongest = Lanes::max(strongest, Lanes::load(p));
+    }
+    return Lanes::nonzero_mask(Lanes::subtract_saturated(Lanes::load(middle), strongest));
+  }
+
   ScoreRow rows_[3];
   int words_;
 };
@@ -76,7 +103,7 @@ int detect_corners(const ImageView& image, const Rect& rect, int threshold,
         scan_short_row<Lanes>(first, image.stride, rect.width(), threshold, rows.current());
       }
     }
-    if (y > rect.y0) candidates += rows.suppress(rect.x0, y - 1, sink);
+    if (y > rect.y0) candidates += rows.suppress<Lanes>(rect.x0, y - 1, sink);
   }
   return candidates;
 }

@@ -33,10 +33,19 @@ struct RowSteps {
         minus_three(keep_in_register(-3 * stride)) {}
 };
 
+/// Lanes that pass the antipodal test of all eight pairs, nonzero in the polarity they pass in.
+template <class Lanes>
+struct Survivors {
+  typename Lanes::Pixels bright;
+  typename Lanes::Pixels dark;
+};
+
 /// What is left of the corner test after some antipodal pairs. Nine contiguous circle points hold
 /// at least one point of every pair, so all nine can be brighter than the centre + t only if the
 /// brighter point of each pair is: the least of the pairs' maxima bounds the arc from above, and
-/// the largest of their minima bounds a dark arc from below.
+/// the largest of their minima bounds a dark arc from below. They also hold both points of one
+/// pair, so after all eight pairs the largest minimum bounds a bright arc too, and the least
+/// maximum a dark one. That refuses straight edges, on whose bright side eight points lie.
 template <class Lanes>
 class AntipodalFilter {
  public:
@@ -55,10 +64,19 @@ class AntipodalFilter {
     least_maximum_ = Lanes::min(least_maximum_, high);
     largest_minimum_ = Lanes::max(largest_minimum_, low);
   }
-  /// Nonzero in lanes that may still hold a bright (dark) corner.
-  Pixels bright() const { return Lanes::subtract_saturated(least_maximum_, bright_limit_); }
-  Pixels dark() const { return Lanes::subtract_saturated(dark_limit_, largest_minimum_); }
-  bool rejects() const { return Lanes::none(Lanes::either(bright(), dark())); }
+  /// No lane can hold a corner, whatever the remaining pairs are.
+  bool rejects() const {
+    return Lanes::none(Lanes::either(Lanes::subtract_saturated(least_maximum_, bright_limit_),
+                                     Lanes::subtract_saturated(dark_limit_, largest_minimum_)));
+  }
+  /// After all eight pairs.
+  Survivors<Lanes> survivors() const {
+    Pixels high;
+    Pixels low;
+    Lanes::sort(least_maximum_, largest_minimum_, high, low);
+    return {Lanes::subtract_saturated(low, bright_limit_),
+            Lanes::subtract_saturated(dark_limit_, high)};
+  }
 
  private:
   Pixels bright_limit_;
@@ -73,25 +91,38 @@ inline void load_circle(const std::uint8_t* p, std::ptrdiff_t stride,
   ((points[K] = Lanes::load(circle_point<K>(p, stride))), ...);
 }
 
-/// Largest over the 16 arcs of nine points of the least of their points, lane by lane. Two arcs
-/// that start at neighbouring points share eight: both at once are min(those eight, max(the two
-/// others)).
-template <class Lanes>
-typename Lanes::Pixels largest_arc_minimum(const typename Lanes::Pixels* points) {
+/// Nearer and farther from the arc's own side: an arc counts by the point of it that lies nearest
+/// to the centre, and of all arcs the one whose nearest point lies farthest.
+template <class Lanes, bool kDark>
+struct Polarity {
   using Pixels = typename Lanes::Pixels;
+  static Pixels nearer(Pixels a, Pixels b) { return kDark ? Lanes::max(a, b) : Lanes::min(a, b); }
+  static Pixels farther(Pixels a, Pixels b) { return kDark ? Lanes::min(a, b) : Lanes::max(a, b); }
+};
+
+/// By how much the best of the 16 arcs of nine points lies above the centre (below it), lane by
+/// lane; zero where none does. Two arcs that start at neighbouring points share eight: both at once
+/// are nearer(those eight, farther(the two others)).
+template <class Lanes, bool kDark>
+typename Lanes::Pixels arc_contrast(const std::uint8_t* p, std::ptrdiff_t stride) {
+  using Pixels = typename Lanes::Pixels;
+  using Side = Polarity<Lanes, kDark>;
+  Pixels points[16];
+  load_circle<Lanes>(p, stride, points, std::make_integer_sequence<int, 16>());
   Pixels run2[8];  // from the odd points on
   Pixels run4[8];
   for (int k = 0; k < 8; ++k) {
-    run2[k] = Lanes::min(points[2 * k + 1], points[(2 * k + 2) & 15]);
+    run2[k] = Side::nearer(points[2 * k + 1], points[(2 * k + 2) & 15]);
   }
-  for (int k = 0; k < 8; ++k) run4[k] = Lanes::min(run2[k], run2[(k + 1) & 7]);
-  Pixels best = Lanes::splat(0);
+  for (int k = 0; k < 8; ++k) run4[k] = Side::nearer(run2[k], run2[(k + 1) & 7]);
+  Pixels best = Lanes::load(p);
+  const Pixels centre = best;
   for (int k = 0; k < 8; ++k) {
-    const Pixels run8 = Lanes::min(run4[k], run4[(k + 2) & 7]);
-    const Pixels ends = Lanes::max(points[2 * k], points[(2 * k + 9) & 15]);
-    best = Lanes::max(best, Lanes::min(run8, ends));
+    const Pixels run8 = Side::nearer(run4[k], run4[(k + 2) & 7]);
+    const Pixels ends = Side::farther(points[2 * k], points[(2 * k + 9) & 15]);
+    best = Side::farther(best, Side::nearer(run8, ends));
   }
-  return best;
+  return kDark ? Lanes::subtract_saturated(centre, best) : Lanes::subtract_saturated(best, centre);
 }
 
 /// One row of scores and the corners in it as a bit per column. Score columns -1 and `width` exist
@@ -104,13 +135,14 @@ struct ScoreRow {
     scores[x] = static_cast<std::uint8_t>(score);
     corner_bits[x >> 5] |= 1U << (static_cast<unsigned>(x) & 31U);
   }
-};
-
-/// Lanes that pass the antipodal test of all eight pairs, nonzero in the polarity they pass in.
-template <class Lanes>
-struct Survivors {
-  typename Lanes::Pixels bright;
-  typename Lanes::Pixels dark;
+  /// Corners of the columns from x on, a bit each; at most 32 of them.
+  void add_corners(int x, std::uint32_t bits) {
+    const auto shift = static_cast<unsigned>(x) & 31U;
+    const std::uint64_t wide = static_cast<std::uint64_t>(bits) << shift;
+    corner_bits[x >> 5] |= static_cast<std::uint32_t>(wide);
+    const auto beyond = static_cast<std::uint32_t>(wide >> 32U);
+    if (beyond != 0) corner_bits[(x >> 5) + 1] |= beyond;
+  }
 };
 
 /// Scores of every corner among the kCount pixels at `p`, which are columns x.. of `row`.
@@ -119,30 +151,19 @@ struct BlockScorer {
   static void score(const std::uint8_t* p, std::ptrdiff_t stride, int threshold,
                     const Survivors<Lanes>& survivors, int x, ScoreRow row) {
     using Pixels = typename Lanes::Pixels;
-    Pixels points[16];
-    load_circle<Lanes>(p, stride, points, std::make_integer_sequence<int, 16>());
-    const Pixels centre = Lanes::load(p);
-    const Pixels white = Lanes::splat(255);
-    // Score + 1: by how much the best arc lies above the centre, or below it.
+    // Score + 1.
     Pixels plus_one = Lanes::splat(0);
-    if (!Lanes::none(survivors.bright)) {
-      plus_one = Lanes::subtract_saturated(largest_arc_minimum<Lanes>(points), centre);
-    }
+    if (!Lanes::none(survivors.bright)) plus_one = arc_contrast<Lanes, false>(p, stride);
     if (!Lanes::none(survivors.dark)) {
-      for (Pixels& point : points) point = Lanes::subtract_saturated(white, point);
-      const Pixels inverse = Lanes::subtract_saturated(white, centre);
-      plus_one = Lanes::max(plus_one,
-                            Lanes::subtract_saturated(largest_arc_minimum<Lanes>(points), inverse));
+      plus_one = Lanes::max(plus_one, arc_contrast<Lanes, true>(p, stride));
     }
-    std::uint32_t corners =
-        Lanes::nonzero_mask(Lanes::subtract_saturated(plus_one, Lanes::splat(threshold)));
+    const Pixels above = Lanes::subtract_saturated(plus_one, Lanes::splat(threshold));
+    const std::uint32_t corners = Lanes::nonzero_mask(above);
     if (corners == 0) return;
-    std::uint8_t scores[Lanes::kCount];
-    Lanes::store(scores, plus_one);
-    for (; corners != 0; corners &= corners - 1) {
-      const int lane = __builtin_ctz(corners);
-      row.set(x + lane, scores[lane] - 1);
-    }
+    // Back from the excess over the threshold, zero where there is none.
+    const Pixels score = Lanes::add_saturated(above, Lanes::splat(threshold - 1));
+    Lanes::store(row.scores + x, Lanes::where_nonzero(above, score));
+    row.add_corners(x, corners);
   }
 };
 
@@ -230,7 +251,8 @@ __attribute__((always_inline)) inline bool find_survivors(const std::uint8_t* p,
                                                           Survivors<Lanes>& survivors) {
   AntipodalFilter<Lanes> filter(Lanes::load(p), threshold, Lanes::load(p + steps.three),
                                 Lanes::load(p + steps.minus_three));
-  // Pairs far apart on the circle first: they reject most. Many lanes rarely agree on one pair.
+  // Pairs far apart on the circle first: they reject most. Many lanes rarely agree on one pair, and
+  // what a branch saves then is less than what its misprediction costs.
   constexpr bool kTestOften = Lanes::kCount < 16;
   if (kTestOften && filter.rejects()) return false;
   filter.add_pair(p + 3, p - 3);
@@ -239,7 +261,7 @@ __attribute__((always_inline)) inline bool find_survivors(const std::uint8_t* p,
   const std::uint8_t* const above2 = keep_in_register(p - 2 * steps.one);
   filter.add_pair(below2 + 2, above2 - 2);
   filter.add_pair(above2 + 2, below2 - 2);
-  if (filter.rejects()) return false;
+  if (kTestOften && filter.rejects()) return false;
   const std::uint8_t* const below3 = keep_in_register(p + steps.three);
   const std::uint8_t* const above3 = keep_in_register(p + steps.minus_three);
   const std::uint8_t* const below1 = keep_in_register(p + steps.one);
@@ -249,7 +271,7 @@ __attribute__((always_inline)) inline bool find_survivors(const std::uint8_t* p,
   if (kTestOften && filter.rejects()) return false;
   filter.add_pair(above1 + 3, below1 - 3);
   filter.add_pair(above3 + 1, below3 - 1);
-  survivors = {filter.bright(), filter.dark()};
+  survivors = filter.survivors();
   return !Lanes::none(Lanes::either(survivors.bright, survivors.dark));
 }
 

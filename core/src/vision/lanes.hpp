@@ -41,6 +41,7 @@ struct PortableLanes {
   static Pixels add_saturated(Pixels a, Pixels b) { return min(a + b, 255U); }
   static Pixels subtract_saturated(Pixels a, Pixels b) { return a > b ? a - b : 0U; }
   static Pixels either(Pixels a, Pixels b) { return a | b; }
+  static Pixels where_nonzero(Pixels condition, Pixels v) { return condition != 0 ? v : 0U; }
   static bool none(Pixels v) { return v == 0; }
   static std::uint32_t nonzero_mask(Pixels v) { return v != 0 ? 1U : 0U; }
 
@@ -204,6 +205,9 @@ struct VectorLanes {
   static Pixels add_saturated(Pixels a, Pixels b) { return _mm_adds_epu8(a, b); }
   static Pixels subtract_saturated(Pixels a, Pixels b) { return _mm_subs_epu8(a, b); }
   static Pixels either(Pixels a, Pixels b) { return _mm_or_si128(a, b); }
+  static Pixels where_nonzero(Pixels condition, Pixels v) {
+    return _mm_andnot_si128(_mm_cmpeq_epi8(condition, _mm_setzero_si128()), v);
+  }
   static bool none(Pixels v) { return nonzero_mask(v) == 0; }
   static std::uint32_t nonzero_mask(Pixels v) {
     const int zero = _mm_movemask_epi8(_mm_cmpeq_epi8(v, _mm_setzero_si128()));
@@ -256,6 +260,9 @@ struct VectorLanes {
   static Pixels add_saturated(Pixels a, Pixels b) { return vqaddq_u8(a, b); }
   static Pixels subtract_saturated(Pixels a, Pixels b) { return vqsubq_u8(a, b); }
   static Pixels either(Pixels a, Pixels b) { return vorrq_u8(a, b); }
+  static Pixels where_nonzero(Pixels condition, Pixels v) {
+    return vandq_u8(vtstq_u8(condition, condition), v);
+  }
   static bool none(Pixels v) {
     const uint64x2_t halves = vreinterpretq_u64_u8(v);
     return (vgetq_lane_u64(halves, 0) | vgetq_lane_u64(halves, 1)) == 0;
