@@ -231,14 +231,19 @@ struct BlockScorer<WordLanes> {
       const int lane = static_cast<int>(shift >> 3U);
       const int centre = p[lane];
       const Ring ring = gather(p + lane, stride);
-      int best = 0;
-      if ((survivors.bright >> shift & 0xFFU) != 0) {
-        best = largest_arc_minimum(ring.w0, ring.w1, ring.w2, ring.w3) - centre;
+      // Dark arcs are bright ones of the negative.
+      std::uint32_t negative = (survivors.bright >> shift & 0xFFU) != 0 ? 0U : ~0U;
+      while (true) {
+        const int best = largest_arc_minimum(ring.w0 ^ negative, ring.w1 ^ negative,
+                                             ring.w2 ^ negative, ring.w3 ^ negative) -
+                         (centre ^ static_cast<int>(negative & 0xFFU));
+        if (best > threshold) {
+          row.set(x + lane, best - 1);
+          break;
+        }
+        if (negative != 0 || (survivors.dark >> shift & 0xFFU) == 0) break;
+        negative = ~0U;
       }
-      if (best <= threshold && (survivors.dark >> shift & 0xFFU) != 0) {
-        best = centre - 255 + largest_arc_minimum(~ring.w0, ~ring.w1, ~ring.w2, ~ring.w3);
-      }
-      if (best > threshold) row.set(x + lane, best - 1);
     } while (left != 0);
   }
 };
@@ -249,14 +254,15 @@ __attribute__((always_inline)) inline bool find_survivors(const std::uint8_t* p,
                                                           const RowSteps& steps,
                                                           typename Lanes::Pixels threshold,
                                                           Survivors<Lanes>& survivors) {
-  AntipodalFilter<Lanes> filter(Lanes::load(p), threshold, Lanes::load(p + steps.three),
-                                Lanes::load(p + steps.minus_three));
+  AntipodalFilter<Lanes> filter(Lanes::load(p), threshold, Lanes::load(p + 3), Lanes::load(p - 3));
   // Pairs far apart on the circle first: they reject most. Many lanes rarely agree on one pair, and
   // what a branch saves then is less than what its misprediction costs.
   constexpr bool kTestOften = Lanes::kCount < 16;
   if (kTestOften && filter.rejects()) return false;
-  filter.add_pair(p + 3, p - 3);
+  filter.add_pair(p + steps.three, p + steps.minus_three);
   if (filter.rejects()) return false;
+  // Most blocks end here: no address of what follows is to be computed above.
+  p = keep_in_register(p);
   const std::uint8_t* const below2 = keep_in_register(p + 2 * steps.one);
   const std::uint8_t* const above2 = keep_in_register(p - 2 * steps.one);
   filter.add_pair(below2 + 2, above2 - 2);
@@ -285,13 +291,12 @@ void scan_row(const std::uint8_t* first, std::ptrdiff_t stride, int count, int t
   const std::uint8_t* const last = first + count - Lanes::kCount;
   const std::uint8_t* p = first;
   while (true) {
-    for (; p <= last; p += Lanes::kCount) {
-      Survivors<Lanes> survivors;
-      if (find_survivors<Lanes>(p, steps, limit, survivors)) {
-        BlockScorer<Lanes>::score(p, stride, threshold, survivors, static_cast<int>(p - first),
-                                  row);
-      }
+    Survivors<Lanes> survivors;
+    if (find_survivors<Lanes>(p, steps, limit, survivors)) {
+      BlockScorer<Lanes>::score(p, stride, threshold, survivors, static_cast<int>(p - first), row);
     }
+    p += Lanes::kCount;
+    if (p <= last) continue;
     if (p == last + Lanes::kCount) return;
     p = last;
   }
