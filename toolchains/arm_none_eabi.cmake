@@ -1,14 +1,20 @@
-# Bare-metal Cortex-M with GCC and newlib's headers; no start-up files, no libstdc++. Included by the
-# files per target, which set:
+# Bare-metal Cortex-M with GCC or Clang and newlib's headers; no start-up files, no libstdc++. Included
+# by the files per target, which set:
 #   CAIRN_TARGET_CPU_FLAGS   CPU and FPU options
 #   CAIRN_BOARD_QEMU         machine of qemu-system-arm that runs the programs
 #   CAIRN_BOARD_*            memory and timer of that board (port/cortex_m)
+#   CAIRN_TARGET_CLANG       ON: Clang compiles, the GNU toolchain links
 set(CMAKE_SYSTEM_NAME Generic)
-set(CMAKE_C_COMPILER arm-none-eabi-gcc)
-set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)
-set(CMAKE_C_FLAGS_INIT "${CAIRN_TARGET_CPU_FLAGS}")
-set(CMAKE_CXX_FLAGS_INIT "${CAIRN_TARGET_CPU_FLAGS} -fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-use-cxa-atexit")
+set(cairn_language_flags "-fno-exceptions -fno-rtti -fno-threadsafe-statics -fno-use-cxa-atexit")
+if(CAIRN_TARGET_CLANG)
+  include(${CMAKE_CURRENT_LIST_DIR}/clang_for_arm_none_eabi.cmake)
+else()
+  set(CMAKE_C_COMPILER arm-none-eabi-gcc)
+  set(CMAKE_CXX_COMPILER arm-none-eabi-g++)
+  set(CMAKE_C_FLAGS_INIT "${CAIRN_TARGET_CPU_FLAGS}")
+  set(CMAKE_CXX_FLAGS_INIT "${CAIRN_TARGET_CPU_FLAGS} ${cairn_language_flags}")
+endif()
 set(CMAKE_CXX_FLAGS_RELEASE_INIT "-O2 -g -DNDEBUG")
 set(CMAKE_C_FLAGS_RELEASE_INIT "-O2 -g -DNDEBUG")
 set(CMAKE_CXX_FLAGS_RELEASE "-O2 -g -DNDEBUG" CACHE STRING "")
