@@ -1,8 +1,9 @@
 // Replays an input log and prints one line per frame: number, time, status, hash of everything that
 // the frame decided. The same text on every target.
 //
-// usage: replay_* LOG [--frames N] [--ticks yes]
-// --frames: stop after N frames; --ticks: print the port's ticks per stage and frame as well
+// usage: replay_* LOG [--frames N] [--overlay yes] [--ticks yes]
+// --frames: stop after N frames; --overlay: draw the virtual objects into each frame and print the
+// picture's hash; --ticks: print the port's ticks per stage and frame, and the stack used
 //
 // CAIRN_REPLAY_VEHICLE chooses the tracker, CAIRN_REPLAY_CONFIG its capacities.
 
@@ -10,9 +11,11 @@
 
 #include <cstdint>
 
+#include "cairn/numeric/fixed_vector.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/port/files.h"
 #include "cairn/port/port.h"
+#include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/config.hpp"
 
 #include "text.hpp"
@@ -50,6 +53,13 @@ using Tracker = cairn::HandheldTracker<Config>;
 
 CAIRN_IN_FRAME_MEMORY std::uint8_t pixels[Config::kMaxImageWidth * Config::kMaxImageHeight];
 Tracker tracker;
+cairn::Augmenter augmenter;
+
+struct Options {
+  int frames = 0;
+  bool with_overlay = false;
+  bool with_ticks = false;
+};
 
 struct File {
   std::int32_t handle;
@@ -82,60 +92,118 @@ void print_frame(const cairn::LogFrame& frame, const cairn::FrameReport& report)
   write("\n");
 }
 
+/// Odometry since the last frame, handed on just before the next: so that a measured frame holds
+/// its predictions, and not the reading of the log between them.
+class PendingOdometry {
+ public:
+  void add(const cairn::OdometrySample& sample) {
+    if (!samples_.push_back(sample)) {
+      apply();
+      static_cast<void>(samples_.push_back(sample));
+    }
+  }
+
+  void apply() {
+    // A sample that is refused is in the tracker's counters, and so in the hash.
+    for (const cairn::OdometrySample& sample : samples_) {
+      static_cast<void>(cairn::replay_odometry(sample, tracker));
+    }
+    samples_.clear();
+  }
+
+ private:
+  cairn::FixedVector<cairn::OdometrySample, 16> samples_;
+};
+
+PendingOdometry odometry;
+
+struct FrameTicks {
+  std::uint32_t odometry = 0;
+  std::uint32_t total = 0;
+};
+
+/// The stages' ticks, with odometry as part of the pose's prediction, and the whole frame's.
 void print_ticks(const cairn::LogFrame& frame, const cairn::FrameReport& report,
-                 std::uint32_t total) {
+                 const FrameTicks& ticks) {
   write("ticks ");
   write_decimal(frame.number);
-  for (const std::uint32_t ticks : report.stage_ticks) {
+  for (int stage = 0; stage < cairn::kStageCount; ++stage) {
+    const bool predicts = stage == static_cast<int>(cairn::Stage::kPosePrediction);
     write(" ");
-    write_decimal(ticks);
+    write_decimal(report.stage_ticks[stage] + (predicts ? ticks.odometry : 0U));
   }
   write(" ");
-  write_decimal(total);
+  write_decimal(ticks.total);
   write("\n");
 }
 
-int replay(File& file, int frames, bool with_ticks) {
+FrameTicks process(const cairn::LogFrame& frame, const cairn::MutableImageView& image,
+                   const Options& options, cairn::FrameReport& report) {
+  const cairn::TickSource ticks{options.with_ticks ? &read_ticks : nullptr, nullptr};
+  FrameTicks spent;
+  const std::uint32_t begin = cairn_port_ticks();
+  cairn_frame_begin();
+  odometry.apply();
+  spent.odometry = cairn_port_ticks() - begin;
+  report.status = tracker.process_frame(image, frame.t_us, ticks, report);
+  if (options.with_overlay) tracker.augment(augmenter, image, ticks, report);
+  cairn_frame_end();
+  spent.total = cairn_port_ticks() - begin;
+  return spent;
+}
+
+/// Of the drawn picture, which lies where the frame was.
+void print_overlay(const cairn::LogFrame& frame, const cairn::MutableImageView& image) {
+  cairn::Hash64 hash;
+  hash.add_bytes(image.data, image.width * image.height);
+  write("overlay ");
+  write_decimal(frame.number);
+  write(" ");
+  write_hex64(hash.value());
+  write("\n");
+}
+
+int replay(File& file, const Options& options) {
   cairn::InputLogReader<File> reader(file);
   cairn::InputLogHeader header;
   cairn::Status status = reader.open(header);
   if (!ok(status)) return fail("log", status);
   status = cairn::start_replay(header, tracker);
+  if (ok(status)) status = augmenter.initialise(cairn::Augmenter::Parameters{});
   if (!ok(status)) return fail("start", status);
 
   const cairn::MutableImageView image{pixels, header.camera.width, header.camera.height,
                                       header.camera.width};
-  const cairn::TickSource ticks{with_ticks ? &read_ticks : nullptr, nullptr};
   cairn::LogEvent event = cairn::LogEvent::kEnd;
   cairn::OdometrySample sample;
   cairn::LogFrame frame;
-  for (int done = 0; done < frames;) {
+  for (int done = 0; done < options.frames;) {
     status = reader.next(event, sample, frame, image);
     if (!ok(status)) return fail("log", status);
     if (event == cairn::LogEvent::kEnd) return 0;
     if (event == cairn::LogEvent::kOdometry) {
-      // A sample that is refused is in the tracker's counters, and so in the hash.
-      static_cast<void>(cairn::replay_odometry(sample, tracker));
+      odometry.add(sample);
       continue;
     }
     cairn::FrameReport report;
-    const std::uint32_t begin = cairn_port_ticks();
-    cairn_frame_begin();
-    report.status = tracker.process_frame(image, frame.t_us, ticks, report);
-    cairn_frame_end();
-    const std::uint32_t total = cairn_port_ticks() - begin;
+    const FrameTicks ticks = process(frame, image, options, report);
     print_frame(frame, report);
-    if (with_ticks) print_ticks(frame, report, total);
+    if (options.with_overlay) print_overlay(frame, image);
+    if (options.with_ticks) print_ticks(frame, report, ticks);
     ++done;
   }
   return 0;
+}
+
+bool is_set(int argc, char** argv, const char* name) {
+  return cairn_test::equal_text(cairn_test::argument(argc, argv, name, "no"), "yes");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 2) {
-    write("usage: replay LOG [--frames N] [--ticks yes]\n");
+    write("usage: replay LOG [--frames N] [--overlay yes] [--ticks yes]\n");
     return 2;
   }
   File file{cairn_file_open(argv[1])};
@@ -144,13 +212,14 @@ int main(int argc, char** argv) {
     write(": cannot be opened\n");
     return 2;
   }
-  const bool with_ticks =
-      cairn_test::equal_text(cairn_test::argument(argc, argv, "--ticks", "no"), "yes");
-  const int frames =
+  Options options;
+  options.frames =
       cairn_test::parse_decimal(cairn_test::argument(argc, argv, "--frames", "99999999"));
-  const int result = replay(file, frames, with_ticks);
+  options.with_overlay = is_set(argc, argv, "--overlay");
+  options.with_ticks = is_set(argc, argv, "--ticks");
+  const int result = replay(file, options);
   cairn_file_close(file.handle);
-  if (with_ticks) {
+  if (options.with_ticks) {
     write("stack ");
     write_decimal(cairn_port_stack_used_bytes());
     write("\n");
