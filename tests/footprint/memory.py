@@ -33,7 +33,10 @@ def sections(size_tool, image):
 
 
 def stack(build, image):
-    """(bytes of the deepest path from main, that path as text, what stands against the figure)"""
+    """(bytes of the deepest path from main, that path as text, what stands against the figure); 0 where
+    the compiler wrote no call graph"""
+    if next((build / "core").rglob("*.ci"), None) is None:
+        return 0, [], []
     graph = call_graph.graph_of([build / "core", build / "port/CMakeFiles/cairn_port.dir",
                                  build / f"tests/target/CMakeFiles/{image.stem}.dir"])
     faults = [f"recursion: {[graph.name(f) for f in c]}" for c in graph.cycles()]

@@ -5,33 +5,10 @@ and compares their lines: equal to the bit, or the first line that differs.
 usage: compare_runs.py BUILD_FOLDER PROGRAM HOST_PROGRAM [ARGUMENT...]
 """
 import pathlib
-import re
 import subprocess
 import sys
 
-
-def emulator_of(build):
-    """The emulator command in a build's cache or toolchain, as ctest uses it."""
-    for file in (build / "CMakeFiles").glob("*/CMakeSystem.cmake"):
-        found = re.search(r'include\("(.*)"\)', file.read_text())
-        if found:
-            toolchain = pathlib.Path(found[1])
-            break
-    else:
-        return []
-    probe = ('include("%s")\nexecute_process(COMMAND ${CMAKE_COMMAND} -E echo '
-             '"${CMAKE_CROSSCOMPILING_EMULATOR}")\n' % toolchain)
-    script = build / "emulator.cmake"
-    script.write_text(probe)
-    text = subprocess.run(["cmake", "-P", script], capture_output=True, text=True, check=True).stdout
-    return [part for part in text.strip().split(";") if part]
-
-
-def program_of(build, name):
-    found = [p for p in (build / "bin" / f"{name}.elf", build / "bin" / name) if p.exists()]
-    if not found:
-        sys.exit(f"{build}/bin has no program {name}")
-    return found[0]
+from targets import emulator_of, program_of
 
 
 def lines(command):

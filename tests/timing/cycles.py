@@ -39,14 +39,28 @@ def without_condition(operation):
     return found[1] + found[3] if found else operation
 
 
+IT = re.compile(r"^it[te]{0,3}$")
+
+
+def open_conditions(code, addresses, start):
+    """How many instructions from `start` on an IT before it covers: a block may begin inside."""
+    for back in range(1, 5):
+        if start < back:
+            break
+        operation = code[addresses[start - back]][0]
+        if IT.match(operation):
+            return max(0, len(operation) - back)
+    return 0
+
+
 def block_text(code, addresses, address, count):
     """Instructions of a block in a form that the model accepts: it lacks IT and compares of floats,
     and books 100 cycles for any call."""
-    lines, conditional = [], 0
     start = bisect.bisect_left(addresses, address)
+    lines, conditional = [], open_conditions(code, addresses, start)
     for at in addresses[start:start + count]:
         operation, arguments = code[at]
-        if re.match(r"^it[te]{0,3}$", operation):
+        if IT.match(operation):
             conditional = len(operation) - 1
             lines.append("\tnop")
             continue

@@ -1,0 +1,102 @@
+"""Writes docs/reference/footprint.md and docs/reference/targets.md from the results of firmware_report.py."""
+import json
+import re
+
+FOOTPRINT = """# Footprint
+
+Bytes of the replay images: tracker, virtual objects, port and replay program together.
+`scripts/firmware.sh` measures and writes this page; `tests/footprint/budget.json` is what CI allows.
+
+Flash: code, constants and initial values. RAM: static data without stack and input frame; of it
+filter (state and covariance), map (landmarks and candidates) and vision (detector, search, scratch);
+tracker is the object that holds them. Stack: deepest path of the call graph from `main`, and the
+painted high-water mark of the replays. Heap: none ([how that is held](no-heap.md)). Clang writes no
+call graph, so its stack is the painted one alone.
+
+| image | tracker | configuration |
+| --- | --- | --- |
+| `vehicle_tiny`, `handheld_tiny` | vehicle / hand-held | 320x240; 16 landmarks / 16 features |
+| `vehicle`, `handheld` | | 640x480; 64 / 32 |
+| `vehicle_large`, `handheld_large` | | 1280x960; 128 / 50 |
+
+## Images
+
+| target | image | flash | RAM | filter | map | vision | tracker | input frame | stack | painted |
+| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
+"""
+TARGETS = """# Targets that were compared with the host
+
+Written by `scripts/firmware.sh`. For each target: the port's self-test, one hash per module of the core
+(`exercise`), and for each replayed frame one hash over pose, covariance, landmarks and counters and one
+over the picture with the virtual objects drawn into it. All compared with the host's, `g++ -O3`.
+The inputs are recorded anew by each run (`tests/target/inputs.json`).
+
+"""
+
+
+def compiler_of(root, target):
+    """Compiler, its version, and the options of optimisation and CPU, as the build used them."""
+    build = root / "build" / target
+    about = next((build / "CMakeFiles").glob("*/CMakeCXXCompiler.cmake")).read_text()
+    kind = re.search(r'CMAKE_CXX_COMPILER_ID "(.*)"', about)[1].replace("GNU", "GCC")
+    version = re.search(r'CMAKE_CXX_COMPILER_VERSION "(.*)"', about)[1]
+    commands = json.loads((build / "compile_commands.json").read_text())
+    core = next(c["command"] for c in commands if c["file"].endswith("core/src/numeric/math.cpp"))
+    kept = [flag for flag in core.split() if re.match(r"-O|-m", flag)]
+    return f"{kind} {version} {' '.join(kept)}"
+
+
+def images_of(results):
+    for target, entries in results.items():
+        for image, entry in entries.items():
+            if isinstance(entry, dict) and "ram_bytes" in entry:
+                yield target, image, entry
+
+
+def footprint(root, results):
+    rows = []
+    for target, image, entry in images_of(results):
+        if "flash_bytes" not in entry:
+            continue
+        ram = entry["ram_bytes"]
+        figures = [entry["flash_bytes"], ram["total"], ram["filter"], ram["map"], ram["vision"],
+                   ram["tracker"], entry["frame_buffer_bytes"], entry["stack_bytes"] or "-",
+                   entry.get("stack_painted_bytes") or "-"]
+        rows.append(f"| {target} | {image} | " + " | ".join(map(str, figures)) + " |")
+    rows += ["", "## Budgets of CI, bytes", "", "| image | flash | RAM | stack |", "| --- | ---: | ---: | ---: |"]
+    budgets = json.loads((root / "tests/footprint/budget.json").read_text())
+    for image, budget in budgets["cortex-m7"].items():
+        rows.append(f"| {image} | {budget['flash_bytes']} | {budget['ram_bytes']} | {budget['stack_bytes']} |")
+    first = next(iter(results))
+    for image in ("vehicle", "handheld"):
+        path = results[first].get(image, {}).get("stack_path")
+        if not path:
+            continue
+        rows += ["", f"## Deepest path of `{image}` on {first}", "", "| frame | function |", "| ---: | --- |"]
+        for step in path:
+            size, name = step.split(" ", 1)
+            rows.append(f"| {size} | `{name.replace('|', ' ')}` |")
+    (root / "docs/reference/footprint.md").write_text(FOOTPRINT + "\n".join(rows) + "\n")
+
+
+def targets(root, results):
+    names = []
+    for _, _, entry in images_of(results):
+        names += [name for name in entry["inputs"] if name not in names]
+    rows = ["| target | compiler | self-test | modules | " + " | ".join(names) + " |",
+            "| --- | --- | --- | --- |" + " ---: |" * len(names)]
+    for target, entries in results.items():
+        cells = {}
+        for _, image, entry in images_of({target: entries}):
+            for name, outcome in entry["inputs"].items():
+                text = f"{outcome['frames']} equal" if outcome["hash_equal"] else "**differs**"
+                cells[name] = f"{cells[name]}, {text}" if name in cells else text
+        rows.append(f"| {target} | `{compiler_of(root, target)}` | {'good' if entries['selftest'] else '**bad**'} | "
+                    f"{str(entries['modules']) + ' equal' if entries['modules_equal'] else '**differ**'} | "
+                    + " | ".join(cells.get(name, "-") for name in names) + " |")
+    (root / "docs/reference/targets.md").write_text(TARGETS + "\n".join(rows) + "\n")
+
+
+def write(root, results):
+    footprint(root, results)
+    targets(root, results)
