@@ -12,6 +12,9 @@
 #elif defined(__ARM_NEON)
 #include <arm_neon.h>
 #define CAIRN_VISION_HAS_VECTOR 1
+#elif defined(__ARM_FEATURE_MVE)
+#include <arm_mve.h>
+#define CAIRN_VISION_HAS_VECTOR 1
 #else
 #define CAIRN_VISION_HAS_VECTOR 0
 #endif
@@ -241,7 +244,7 @@ struct VectorLanes {
   }
 };
 
-#else
+#elif defined(__ARM_NEON)
 
 /// Sixteen pixels in a NEON register.
 struct VectorLanes {
@@ -268,11 +271,13 @@ struct VectorLanes {
     return (vgetq_lane_u64(halves, 0) | vgetq_lane_u64(halves, 1)) == 0;
   }
   static std::uint32_t nonzero_mask(Pixels v) {
-    std::uint8_t bytes[kCount];
-    store(bytes, v);
-    std::uint32_t mask = 0;
-    for (int i = 0; i < kCount; ++i) mask |= (bytes[i] != 0 ? 1U : 0U) << static_cast<unsigned>(i);
-    return mask;
+    constexpr std::uint64_t kBits = 0x8040201008040201U;
+    const uint8x16_t weights = vreinterpretq_u8_u64(vdupq_n_u64(kBits));
+    const uint8x16_t bits = vandq_u8(vtstq_u8(v, v), weights);
+    uint8x8_t sums = vpadd_u8(vget_low_u8(bits), vget_high_u8(bits));
+    sums = vpadd_u8(sums, sums);
+    sums = vpadd_u8(sums, sums);
+    return vget_lane_u16(vreinterpret_u16_u8(sums), 0);
   }
 
   static std::uint32_t box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
@@ -290,6 +295,46 @@ struct VectorLanes {
     }
     return vgetq_lane_u32(sum, 0) + vgetq_lane_u32(sum, 1) + vgetq_lane_u32(sum, 2) +
            vgetq_lane_u32(sum, 3);
+  }
+};
+
+#else
+
+/// Sixteen pixels in a Helium register. Comparisons give a predicate with a bit for each byte.
+struct VectorLanes {
+  static constexpr int kCount = 16;
+  using Pixels = uint8x16_t;
+
+  static Pixels load(const std::uint8_t* p) { return vld1q_u8(p); }
+  static void store(std::uint8_t* p, Pixels v) { vst1q_u8(p, v); }
+  static Pixels splat(int value) { return vdupq_n_u8(static_cast<std::uint8_t>(value)); }
+  static Pixels min(Pixels a, Pixels b) { return vminq_u8(a, b); }
+  static Pixels max(Pixels a, Pixels b) { return vmaxq_u8(a, b); }
+  static void sort(Pixels a, Pixels b, Pixels& high, Pixels& low) {
+    high = max(a, b);
+    low = min(a, b);
+  }
+  static Pixels add_saturated(Pixels a, Pixels b) { return vqaddq_u8(a, b); }
+  static Pixels subtract_saturated(Pixels a, Pixels b) { return vqsubq_u8(a, b); }
+  static Pixels either(Pixels a, Pixels b) { return vorrq_u8(a, b); }
+  static Pixels where_nonzero(Pixels condition, Pixels v) {
+    return vpselq_u8(v, vdupq_n_u8(0), vcmpneq_n_u8(condition, 0));
+  }
+  static bool none(Pixels v) { return nonzero_mask(v) == 0; }
+  static std::uint32_t nonzero_mask(Pixels v) { return vcmpneq_n_u8(v, 0); }
+
+  static std::uint32_t box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
+                               int height) {
+    std::uint32_t sum = 0;
+    for (; width > 16; width -= 16, p += 16) {
+      const std::uint8_t* row = p;
+      for (int y = 0; y < height; ++y, row += stride) sum = vaddvaq_u8(sum, load(row));
+    }
+    const mve_pred16_t inside = vctp8q(static_cast<std::uint32_t>(width));
+    for (int y = 0; y < height; ++y, p += stride) {
+      sum = vaddvaq_u8(sum, vld1q_z_u8(p, inside));
+    }
+    return sum;
   }
 };
 

@@ -32,8 +32,10 @@ constexpr int kMaxPixels = 1024 * 800;
 constexpr int kMaxText = 256 * 1024;
 constexpr int kMaxCorners = 8000;
 
-std::uint8_t pixels[kMaxPixels];
-char text[kMaxText];
+// Where a board keeps its input frames.
+#define CAIRN_IN_FRAME_MEMORY __attribute__((section(".frames")))
+CAIRN_IN_FRAME_MEMORY std::uint8_t pixels[kMaxPixels];
+CAIRN_IN_FRAME_MEMORY char text[kMaxText];
 Corner corners[kMaxCorners];
 Descriptor descriptors[256];
 cairn::FastScratch<1024> scratch;
