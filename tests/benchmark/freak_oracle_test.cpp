@@ -9,6 +9,8 @@
 #include "cairn/numeric/random.hpp"
 #include "cairn/vision/freak.hpp"
 
+#include "freak_sum.hpp"
+
 namespace cairn {
 namespace {
 
@@ -62,6 +64,30 @@ TEST(FreakOracle, EqualAtEveryCoordinate) {
       EXPECT_EQ(compare(noise(64, 4096, block, 2), along_y, oriented), 3 * (4096 - 47));
     }
   }
+}
+
+TEST(FreakOracle, SumOfAllCoordinatesIsThatOfTheTargets) {
+  using namespace cairn_test;
+  const cv::Mat wide = noise(kLong, kShort, 1, kNoiseSeed);
+  const cv::Mat tall(kLong, kShort, CV_8U, wide.data);
+  std::vector<cv::KeyPoint> points[2];
+  for (int k = kMargin; k <= kLong - kMargin; ++k) {
+    points[0].emplace_back(static_cast<float>(k), static_cast<float>(across(k)), 7.0F);
+    points[1].emplace_back(static_cast<float>(across(k)), static_cast<float>(k), 7.0F);
+  }
+  cv::Mat rows[2][2];
+  for (const int oriented : {0, 1}) {
+    const auto freak = cv::xfeatures2d::FREAK::create(oriented == 1);
+    freak->compute(wide, points[0], rows[oriented][0]);
+    freak->compute(tall, points[1], rows[oriented][1]);
+  }
+  Sum sum;
+  for (int i = 0; i < rows[0][0].rows; ++i) {
+    for (const int oriented : {1, 0}) {
+      for (const cv::Mat& descriptors : rows[oriented]) sum.add(descriptors.ptr(i), 64);
+    }
+  }
+  EXPECT_EQ(sum.value(), kFreakSumOfAllCoordinates);
 }
 
 TEST(FreakOracle, EqualOnManyTextures) {

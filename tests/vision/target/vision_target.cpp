@@ -32,8 +32,11 @@ constexpr int kMaxPixels = 1024 * 800;
 constexpr int kMaxText = 256 * 1024;
 constexpr int kMaxCorners = 8000;
 
-// Where a board keeps its input frames.
+#ifdef CAIRN_PORT_FRAMES_SECTION  // where a board keeps its input frames
 #define CAIRN_IN_FRAME_MEMORY __attribute__((section(".frames")))
+#else
+#define CAIRN_IN_FRAME_MEMORY
+#endif
 CAIRN_IN_FRAME_MEMORY std::uint8_t pixels[kMaxPixels];
 CAIRN_IN_FRAME_MEMORY char text[kMaxText];
 Corner corners[kMaxCorners];
