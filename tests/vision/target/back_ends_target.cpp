@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "cairn/numeric/random.hpp"
+#include "cairn/vision/patch.hpp"
 
 #include "fast_detector.hpp"
 #include "freak_kernel.hpp"
@@ -130,6 +131,55 @@ std::uint64_t sum_of_all_coordinates() {
   return sum.value();
 }
 
+/// Blocks of random grey with a little noise: texture that alignment can hold on to.
+ImageView make_texture(Random& random) {
+  constexpr int kExtent = 48;
+  const int block = 2 + random.below(4);
+  for (int y = 0; y < kExtent; ++y) {
+    for (int x = 0; x < kExtent; ++x) {
+      const int value = x / block * 7919 + y / block * 104729 + x / block * (y / block) * 31;
+      pixels[y * kExtent + x] = static_cast<std::uint8_t>(value % 251 + random.below(5));
+    }
+  }
+  return {pixels, kExtent, kExtent, kExtent};
+}
+
+/// The same on every target, and before alignment worked on pairs.
+constexpr std::uint64_t kSumOfAlignments = 0x600BAE995A53FDFC;
+
+/// Patches taken and aligned under random warps, at starts of which some touch the border.
+std::uint64_t sum_of_alignments() {
+  Random random(24);
+  Sum sum;
+  for (int trial = 0; trial < 300; ++trial) {
+    const ImageView image = make_texture(random);
+    Patch patch;
+    int x = 7 * 256 + random.below(33 * 256 + 1);
+    int y = 7 * 256 + random.below(33 * 256 + 1);
+    Status status = extract_patch(image, x, y, patch);
+    sum.add(patch.pixels, sizeof patch.pixels);
+    PatchWarp warp;
+    const int spread = trial % 3 * 12000;
+    for (std::int32_t* entry : {&warp.xx, &warp.xy, &warp.yx, &warp.yy}) {
+      *entry += random.below(2 * spread + 1) - spread;
+    }
+    x = trial % 7 == 0 ? (48 - 6) * 256 : x + random.below(301) - 150;
+    y = trial % 11 == 0 ? (48 - 6) * 256 : y + random.below(301) - 150;
+    PatchAlignment alignment;
+    status = align_patch(image, patch, warp, x, y, alignment);
+    const std::int32_t results[] = {static_cast<std::int32_t>(status),
+                                    x,
+                                    y,
+                                    alignment.converged ? 1 : 0,
+                                    alignment.correlation,
+                                    alignment.shift_x_q8,
+                                    alignment.shift_y_q8,
+                                    alignment.iterations};
+    sum.add(results, sizeof results);
+  }
+  return sum.value();
+}
+
 bool report(const char* what, bool equal) {
   write(what);
   write(equal ? " equal\n" : " DIFFERENT\n");
@@ -144,5 +194,6 @@ int main(int, char**) {
   equal = report("descriptors at all coordinates",
                  sum_of_all_coordinates() == cairn_test::kFreakSumOfAllCoordinates) &&
           equal;
+  equal = report("patch alignments", sum_of_alignments() == kSumOfAlignments) && equal;
   return equal ? 0 : 1;
 }
