@@ -257,6 +257,33 @@ void count_patch(const char* name, const ImageView& image) {
   report_ratio(name, ": steps per alignment ", steps, aligned);
 }
 
+/// The worst that a camera can deliver: every pixel is looked at and most of the corners found are
+/// too many.
+void count_noise() {
+  constexpr int kWidth = 640;
+  constexpr int kHeight = 480;
+  cairn::Random random(3);
+  for (int i = 0; i < kWidth * kHeight; ++i)
+    pixels[i] = static_cast<std::uint8_t>(random.below(256));
+  const ImageView image{pixels, kWidth, kHeight, kWidth};
+  for (const int threshold : {20, 60, 120}) {
+    cairn::FastReport report;
+    const std::uint32_t start = cairn_port_ticks();
+    (void)cairn::detect_fast(image, {0, 0, kWidth, kHeight}, threshold, scratch, corners, 500,
+                             report);
+    const std::uint64_t instructions = instructions_since(start);
+    write("noise: FAST threshold ");
+    write_decimal(static_cast<std::uint64_t>(threshold));
+    write(", corners ");
+    write_decimal(static_cast<std::uint64_t>(report.candidates));
+    write("/");
+    write_decimal(static_cast<std::uint64_t>(report.found));
+    write(", dropped ");
+    write_decimal(static_cast<std::uint64_t>(report.dropped));
+    report_ratio("", ", instructions per pixel ", instructions, kWidth * kHeight);
+  }
+}
+
 /// Differing bits of the first 16 bytes of two descriptors.
 int prefix_distance(int i, int j) {
   Descriptor a;
@@ -313,6 +340,9 @@ int main(int argc, char** argv) {
     write("no expected outputs there\n");
     return 77;
   }
-  if (count) count_hamming();
+  if (count) {
+    count_noise();
+    count_hamming();
+  }
   return equal ? 0 : 1;
 }
