@@ -3,9 +3,11 @@
 //
 // usage: replay_* LOG [--frames N] [--overlay yes] [--ticks yes]
 // --frames: stop after N frames; --overlay: draw the virtual objects into each frame and print the
-// picture's hash; --ticks: print the port's ticks per stage and frame, and the stack used
+// picture's hash; --ticks: print the port's ticks per stage and frame, what the frame counted
+// (corners, searched, matches, inliers, landmarks), and the stack used
 //
-// CAIRN_REPLAY_VEHICLE chooses the tracker, CAIRN_REPLAY_CONFIG its capacities.
+// CAIRN_REPLAY_VEHICLE chooses the tracker, CAIRN_REPLAY_CONFIG its capacities; where
+// CAIRN_REPLAY_ACTIVE and CAIRN_REPLAY_LIBRARY are set, those change its landmarks and library.
 
 #include "cairn/runtime/replay.hpp"
 
@@ -43,7 +45,15 @@ using cairn_test::write;
 using cairn_test::write_decimal;
 using cairn_test::write_hex64;
 
+#ifdef CAIRN_REPLAY_ACTIVE
+struct Config : cairn::CAIRN_REPLAY_CONFIG {
+  static constexpr int kMaxLandmarks = CAIRN_REPLAY_ACTIVE;
+  static constexpr int kMaxFeatures = CAIRN_REPLAY_ACTIVE;
+  static constexpr int kLibraryLandmarks = CAIRN_REPLAY_LIBRARY;
+};
+#else
 using Config = cairn::CAIRN_REPLAY_CONFIG;
+#endif
 #if CAIRN_REPLAY_VEHICLE
 using Tracker =
     cairn::VehicleTracker<Config, cairn::GroupIekfSlam<float, Config::kMaxLandmarks, 3>>;
@@ -134,6 +144,13 @@ void print_ticks(const cairn::LogFrame& frame, const cairn::FrameReport& report,
   }
   write(" ");
   write_decimal(ticks.total);
+  write("\ncounts ");
+  write_decimal(frame.number);
+  for (const int count :
+       {report.corners, report.searched, report.matches, report.inliers, report.landmarks}) {
+    write(" ");
+    write_decimal(static_cast<std::uint64_t>(count));
+  }
   write("\n");
 }
 
