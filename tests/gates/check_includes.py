@@ -14,7 +14,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 STANDARD = set("""algorithm array atomic cfloat climits cmath cstddef cstdint cstring initializer_list limits
                   new tuple type_traits utility stdint.h stddef.h""".split())
 # SIMD of the compiler itself; vision falls back to plain words where there is none.
-INTRINSICS = {"emmintrin.h", "arm_neon.h", "arm_acle.h"}
+INTRINSICS = {"emmintrin.h", "arm_neon.h", "arm_acle.h", "arm_mve.h"}
 EIGEN = {"Eigen/Core", "Eigen/Geometry", "Eigen/Cholesky", "Eigen/LU"}
 
 FOUNDATION = {"numeric"}
