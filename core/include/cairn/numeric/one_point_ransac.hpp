@@ -19,6 +19,7 @@ template <int Capacity>
 struct OnePointRansacResult {
   bool supporters[Capacity] = {};
   int support = 0;
+  int candidate = -1;      ///< of the best hypothesis
   int hypotheses = 0;      ///< evaluated
   bool consensus = false;  ///< the support passes both limits
 };
@@ -62,6 +63,7 @@ OnePointRansacResult<Capacity> one_point_ransac(int count,
     ++best.hypotheses;
     if (support <= best.support) continue;
     best.support = support;
+    best.candidate = candidate;
     for (int i = 0; i < count; ++i) best.supporters[i] = supporters[i];
     const float share = static_cast<float>(support) / static_cast<float>(count);
     needed = hypotheses_needed(parameters.probability, share, needed);

@@ -40,12 +40,14 @@ class EkfSlam : public detail::WorldFrameFilter<EkfSlam<T, MaxLandmarks, Landmar
 
   void propagate(const PlanarIncrement<T>& increment);
   void widen_pose_by(T position_variance, T heading_variance);
-  void append_landmark(const Vector<T, LandmarkDim>& y,
-                       const Matrix<T, LandmarkDim, LandmarkDim>& R);
+  static constexpr int kPositionState = 0;
+  void rows_with_vehicle(int slot, typename World::LandmarkRows& rows) const;
+  void rows_in_world(int, typename World::LandmarkRows&) const {}
   void relative_of(int slot, const T* v, T* out) const;
   void relative_covariance(int slot, detail::RelativeCovariance<T>& out) const;
   void relative_columns(int slot, T* c0, T* c1, T* c2) const;
   void begin_update() {}
+  void add_pending_now() {}
   int pending(const T**, const T**) const { return 0; }
   void pending_done() {}
   bool pending_column(const typename Base::Pair&, T*, T*, const T**, T&, T&, T&, T&, T&) const {

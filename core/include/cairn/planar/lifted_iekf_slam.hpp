@@ -42,6 +42,15 @@ class LiftedIekfSlam
   Matrix<T, LandmarkDim, LandmarkDim> landmark_covariance(int slot) const;
   Vector<T, LandmarkDim> mean_landmark(int slot) const { return landmark_position(slot); }
 
+  /// As in WorldFrameFilter.
+  Status add_position(LandmarkId id);
+  /// As in WorldFrameFilter, but the way's error enters as independent noise: a lifted landmark is
+  /// no linear function of it.
+  Status add_landmark_on_path(LandmarkId id, const Vector<T, LandmarkDim>& y_vehicle,
+                              const Matrix<T, LandmarkDim, LandmarkDim>& R, LandmarkId past,
+                              const Matrix<T, LandmarkDim, 2>& by_path,
+                              LandmarkId* replaced = nullptr);
+
   /// Lifted state i (0 .. state_size() - 1), vehicle first.
   T lifted(int i) const { return z_[i]; }
   /// Element of the lifted covariance.

@@ -52,6 +52,7 @@ struct LandmarkStatistics {
   std::uint32_t rejected = 0;         ///< observations refused by the gate or by RANSAC
   std::uint32_t rejected_in_row = 0;  ///< of these, since the last one used
   std::uint32_t last_seen = 0;        ///< number of the update that used it last: update_count()
+  bool pinned = false;                ///< a remembered position: never replaced
 };
 
 /// Settings shared by the planar filters. The defaults fit a small indoor vehicle.

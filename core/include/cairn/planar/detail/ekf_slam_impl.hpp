@@ -94,26 +94,11 @@ void CAIRN_EKF::widen_pose_by(T position_variance, T heading_variance) {
 }
 
 CAIRN_EKF_TEMPLATE
-void CAIRN_EKF::append_landmark(const Vector<T, LandmarkDim>& y,
-                                const Matrix<T, LandmarkDim, LandmarkDim>& R) {
-  Matrix<T, LandmarkDim, LandmarkDim> noise;
-  const int first = this->place_landmark(y, R, noise);
-  auto& P = this->P_;
-  const int slot = this->table_.size();
+void CAIRN_EKF::rows_with_vehicle(int slot, typename World::LandmarkRows& rows) const {
+  for (int i = 0; i < 2; ++i) rows.add(i, kPositionState + i, T(1));
   // d p / d heading = J delta.
-  const T by_heading[2] = {-(this->p_[slot][1] - this->x_[1]), this->p_[slot][0] - this->x_[0]};
-  for (int i = 0; i < 2; ++i) {
-    T* row = P.row(first + i);
-    for (int j = 0; j < first; ++j) row[j] = P(i, j) + by_heading[i] * P(2, j);
-  }
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      P(first + i, first + j) = P(first + i, j) + P(first + i, 2) * by_heading[j] + noise(i, j);
-    }
-  }
-  if constexpr (LandmarkDim > 2) {
-    for (int j = 0; j < LandmarkDim; ++j) P(first + 2, first + j) = noise(2, j);
-  }
+  rows.add(0, 2, this->x_[1] - this->p_[slot][1]);
+  rows.add(1, 2, this->p_[slot][0] - this->x_[0]);
 }
 
 CAIRN_EKF_TEMPLATE

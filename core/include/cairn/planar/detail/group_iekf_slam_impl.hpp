@@ -222,22 +222,15 @@ T CAIRN_GROUP::pending_covariance(int i, int j) const {
 }
 
 CAIRN_GROUP_TEMPLATE
-void CAIRN_GROUP::append_landmark(const Vector<T, LandmarkDim>& y,
-                                  const Matrix<T, LandmarkDim, LandmarkDim>& R) {
-  add_pending_now();
-  Matrix<T, LandmarkDim, LandmarkDim> noise;
-  const int first = this->place_landmark(y, R, noise);
-  auto& P = this->P_;
-  for (int i = 0; i < 2; ++i) {
-    T* row = P.row(first + i);
-    for (int j = 0; j < first; ++j) row[j] = P(1 + i, j);
-  }
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j <= i; ++j) P(first + i, first + j) = P(1 + i, 1 + j) + noise(i, j);
-  }
-  if constexpr (LandmarkDim > 2) {
-    for (int j = 0; j < LandmarkDim; ++j) P(first + 2, first + j) = noise(2, j);
-  }
+void CAIRN_GROUP::rows_with_vehicle(int, typename World::LandmarkRows& rows) const {
+  for (int i = 0; i < 2; ++i) rows.add(i, kPositionState + i, T(1));
+}
+
+/// xi = p - R(e) p^ of a point that does not turn with the error of the heading: -J p^ e.
+CAIRN_GROUP_TEMPLATE
+void CAIRN_GROUP::rows_in_world(int slot, typename World::LandmarkRows& rows) const {
+  rows.add(0, 0, this->p_[slot][1]);
+  rows.add(1, 0, -this->p_[slot][0]);
 }
 
 CAIRN_GROUP_TEMPLATE

@@ -45,7 +45,7 @@ class LandmarkTable {
     std::uint32_t best_age = 0;
     for (int slot = 0; slot < size_; ++slot) {
       const std::uint32_t age = update - statistics_[slot].last_seen;
-      if (age < least_age) continue;
+      if (age < least_age || statistics_[slot].pinned) continue;
       const bool older = best < 0 || age > best_age;
       const bool rarer =
           best >= 0 && age == best_age && statistics_[slot].seen < statistics_[best].seen;

@@ -366,6 +366,31 @@ void CAIRN_LIFTED::relative_of(int slot, const T* v, T* out) const {
 }
 
 CAIRN_LIFTED_TEMPLATE
+Status CAIRN_LIFTED::add_position(LandmarkId id) {
+  constexpr T kTiny = T(1e-8);
+  const Status status = this->add_landmark(id, Vector<T, LandmarkDim>::Zero(),
+                                           kTiny * Matrix<T, LandmarkDim, LandmarkDim>::Identity());
+  if (ok(status)) this->table_.statistics(this->table_.size() - 1).pinned = true;
+  return status;
+}
+
+CAIRN_LIFTED_TEMPLATE
+Status CAIRN_LIFTED::add_landmark_on_path(LandmarkId id, const Vector<T, LandmarkDim>& y_vehicle,
+                                          const Matrix<T, LandmarkDim, LandmarkDim>& R,
+                                          LandmarkId past, const Matrix<T, LandmarkDim, 2>& by_path,
+                                          LandmarkId* replaced) {
+  const int slot = this->find(past);
+  if (slot < 0) return Status::kNotFound;
+  detail::RelativeCovariance<T> way;
+  relative_covariance(slot, way);
+  Matrix2<T> covariance;
+  covariance << way.s[0], way.s[1], way.s[1], way.s[2];
+  const Matrix<T, LandmarkDim, 2> half = by_path * covariance;
+  return this->add_landmark(
+      id, y_vehicle, Matrix<T, LandmarkDim, LandmarkDim>(R + half * by_path.transpose()), replaced);
+}
+
+CAIRN_LIFTED_TEMPLATE
 void CAIRN_LIFTED::relative_covariance(int slot, detail::RelativeCovariance<T>& out) const {
   const int l = Base::state_of(slot);
   const int index[3][4] = {

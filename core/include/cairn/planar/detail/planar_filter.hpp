@@ -117,6 +117,10 @@ class PlanarFilter {
   Status begin(const PlanarPose<T>& pose, const Matrix3<T>& covariance,
                const PlanarParameters<T>& parameters);
   void hash_common(Hash64& hash) const;
+  Status check_landmark(const Vector<T, LandmarkDim>& p,
+                        const Matrix<T, LandmarkDim, LandmarkDim>& covariance);
+  Status make_room(LandmarkId id, LandmarkId* replaced);
+  void enter(LandmarkId id);
 
   bool initialised_ = false;
   PlanarParameters<T> parameters_;
@@ -131,7 +135,9 @@ class PlanarFilter {
   void refuse(int slot, UpdateReport& report);
   void conclude(int used, UpdateReport& report);
   void widen_refused_landmarks();
-  void use(int first, int count, UpdateReport& report);
+  void use(int first, int count, UpdateReport& report, bool deviates = false);
+  void move_to_hypothesis(int candidate);
+  int relinearise(CameraView<T>& view, const PixelMatch<T>* matches, int count);
   bool whiten(const Pair& pair, int rank, T& nis);
   void columns(const Pair& pair, T* g0, T* g1);
   void flush(int rank);

@@ -228,35 +228,57 @@ CAIRN_PLANAR_TEMPLATE
 Status CAIRN_PLANAR_FILTER::add_landmark(LandmarkId id, const Vector<T, LandmarkDim>& y_vehicle,
                                          const Matrix<T, LandmarkDim, LandmarkDim>& R,
                                          LandmarkId* replaced) {
+  const Status valid = check_landmark(y_vehicle, R);
+  if (!ok(valid)) return valid;
+  const Status status = make_room(id, replaced);
+  if (!ok(status)) return status;
+  derived().append_landmark(y_vehicle, R);
+  enter(id);
+  return Status::kOk;
+}
+
+CAIRN_PLANAR_TEMPLATE
+Status CAIRN_PLANAR_FILTER::check_landmark(const Vector<T, LandmarkDim>& p,
+                                           const Matrix<T, LandmarkDim, LandmarkDim>& covariance) {
   if (!initialised_) return Status::kNotInitialised;
-  if (!all_finite(y_vehicle) || !all_finite(R)) {
+  if (!all_finite(p) || !all_finite(covariance)) {
     ++health_.non_finite_inputs;
     return Status::kNonFiniteInput;
   }
-  if (id == kNoLandmark || !positive_definite(R)) return Status::kInvalidArgument;
+  if (!positive_definite(covariance)) return Status::kInvalidArgument;
   for (int i = 0; i < LandmarkDim; ++i) {
-    if (abs(y_vehicle(i)) > kFarthestLandmark<T>) return Status::kInvalidArgument;
+    if (abs(p(i)) > kFarthestLandmark<T>) return Status::kInvalidArgument;
   }
+  return Status::kOk;
+}
+
+/// A slot for one more landmark, by replacement where the map is full.
+CAIRN_PLANAR_TEMPLATE
+Status CAIRN_PLANAR_FILTER::make_room(LandmarkId id, LandmarkId* replaced) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (id == kNoLandmark) return Status::kInvalidArgument;
   if (find(id) >= 0) return Status::kDuplicate;
   if (replaced != nullptr) *replaced = kNoLandmark;
-  if (table_.full()) {
-    const int slot =
-        parameters_.replace_after > 0
-            ? table_.replaceable(updates_, static_cast<std::uint32_t>(parameters_.replace_after))
-            : -1;
-    if (slot < 0) {
-      ++health_.landmarks_refused;
-      return Status::kFull;
-    }
-    if (replaced != nullptr) *replaced = table_.id(slot);
-    derived().remove_slot(slot);
-    table_.remove_unordered(slot);
-    ++health_.landmarks_replaced;
+  if (!table_.full()) return Status::kOk;
+  const int slot =
+      parameters_.replace_after > 0
+          ? table_.replaceable(updates_, static_cast<std::uint32_t>(parameters_.replace_after))
+          : -1;
+  if (slot < 0) {
+    ++health_.landmarks_refused;
+    return Status::kFull;
   }
-  derived().append_landmark(y_vehicle, R);
+  if (replaced != nullptr) *replaced = table_.id(slot);
+  derived().remove_slot(slot);
+  table_.remove_unordered(slot);
+  ++health_.landmarks_replaced;
+  return Status::kOk;
+}
+
+CAIRN_PLANAR_TEMPLATE
+void CAIRN_PLANAR_FILTER::enter(LandmarkId id) {
   table_.push(id, updates_);
   ++health_.landmarks_added;
-  return Status::kOk;
 }
 
 CAIRN_PLANAR_TEMPLATE
@@ -334,10 +356,10 @@ void CAIRN_PLANAR_FILTER::widen_refused_landmarks() {
 /// Sequential update with pairs_[first .. first + count), all linearised at the present mean: the
 /// same result as one batch update, without its big matrices.
 CAIRN_PLANAR_TEMPLATE
-void CAIRN_PLANAR_FILTER::use(int first, int count, UpdateReport& report) {
+void CAIRN_PLANAR_FILTER::use(int first, int count, UpdateReport& report, bool deviates) {
   if (count <= 0) return;
   const int n = P_.size();
-  for (int i = 0; i < n; ++i) d_[i] = T(0);
+  for (int i = 0; i < n && !deviates; ++i) d_[i] = T(0);
   derived().begin_update();
   T nis = T(0);
   int rank = 0;

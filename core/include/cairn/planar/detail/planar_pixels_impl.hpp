@@ -122,6 +122,43 @@ int CAIRN_PLANAR_FILTER::hypothesis(const CameraView<T>& view, const PixelMatch<
   return support;
 }
 
+/// Corrects the mean by one candidate alone, to linearise there: at the predicted pose the error of
+/// the odometry is in the rows as well as in the innovations, and what correlates with itself looks
+/// like information about the scale. The correction is kept in d_ as the prior's own deviation.
+CAIRN_PLANAR_TEMPLATE
+void CAIRN_PLANAR_FILTER::move_to_hypothesis(int candidate) {
+  const int n = P_.size();
+  for (int i = 0; i < n; ++i) d_[i] = T(0);
+  T nis = T(0);
+  if (!whiten(pairs_[candidate], 0, nis)) return;
+  derived().correct(d_);
+  for (int i = 0; i < n; ++i) d_[i] = -d_[i];
+}
+
+/// Linearises pairs_[0 .. count) at the mean as it is now; the number left.
+CAIRN_PLANAR_TEMPLATE
+int CAIRN_PLANAR_FILTER::relinearise(CameraView<T>& view, const PixelMatch<T>* matches, int count) {
+  view.frame = derived().frame();
+  int kept = 0;
+  for (int k = 0; k < count; ++k) {
+    const int slot = pairs_[k].slot;
+    const int source = pairs_[k].source;
+    Pair& pair = pairs_[kept];
+    T relative[3];
+    RelativeCovariance<T> covariance;
+    derived().relative(slot, relative);
+    derived().relative_covariance(slot, covariance);
+    Vector3<T> p_camera;
+    pair.slot = slot;
+    pair.source = source;
+    if (!linearise(view, relative, covariance, pair, p_camera)) continue;
+    pair.innovation[0] += matches[source].pixel.x();
+    pair.innovation[1] += matches[source].pixel.y();
+    ++kept;
+  }
+  return kept;
+}
+
 /// Looks at pairs_[first .. count) again from the corrected state and keeps, from `first` on, those
 /// that fit now; the number kept.
 CAIRN_PLANAR_TEMPLATE
@@ -186,6 +223,7 @@ Status CAIRN_PLANAR_FILTER::update_pixels(const PinholeCamera<T>& camera,
       return Status::kNoConsensus;
     }
 
+    move_to_hypothesis(best.candidate);
     int low = 0;
     for (int k = 0; k < candidates; ++k) {
       if (!best.supporters[k]) continue;
@@ -193,8 +231,9 @@ Status CAIRN_PLANAR_FILTER::update_pixels(const PinholeCamera<T>& camera,
       pairs_[k] = pairs_[low];
       pairs_[low++] = supporter;
     }
+    low = relinearise(view, matches, low);
     report.low_innovation = low;
-    use(0, low, report);
+    use(0, low, report, true);
     const int high = rescue(view, matches, low, candidates, report);
     report.high_innovation = high;
     use(low, high, report);

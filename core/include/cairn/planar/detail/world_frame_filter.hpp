@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/planar/detail/landmark_insertion.hpp"
 #include "cairn/planar/detail/planar_filter.hpp"
 
 namespace cairn::detail {
@@ -28,6 +29,28 @@ class WorldFrameFilter
     p(1) += anchor_[1];
     return p;
   }
+
+  /// Remembers where the vehicle is now as a state of its own, fully correlated with the pose, for
+  /// add_landmark_on_path(). It takes a landmark's slot, is never replaced, and leaves by
+  /// remove_landmark(). Errors: kNotInitialised, kInvalidArgument (id 0), kDuplicate, kFull.
+  Status add_position(LandmarkId id);
+
+  /// Adds a landmark that was triangulated over the way made since a remembered position, so that
+  /// its place in the vehicle frame depends on that way: d y / d (x - x_past) = `by_path`, all in
+  /// the vehicle frame; R is the noise that does not. The error of the way, which all landmarks
+  /// triangulated over it share, enters through the states' covariance. Errors: as add_landmark(),
+  /// kNotFound (no such position), kInvalidArgument.
+  Status add_landmark_on_path(LandmarkId id, const Vector<T, LandmarkDim>& y_vehicle,
+                              const Matrix<T, LandmarkDim, LandmarkDim>& R, LandmarkId past,
+                              const Matrix<T, LandmarkDim, 2>& by_path,
+                              LandmarkId* replaced = nullptr);
+
+  /// Adds a landmark known in the world, m, with an error independent of the filter's. The caller
+  /// answers for that: an archived landmark needs its covariance inflated first. Errors: as
+  /// add_landmark().
+  Status add_world_landmark(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
+                            const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
+                            LandmarkId* replaced = nullptr);
 
   /// Element of the covariance of the filter's own error, pending noise included: EkfSlam (x, y,
   /// heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks). i, j < state_size().
@@ -61,28 +84,36 @@ class WorldFrameFilter
     if constexpr (LandmarkDim > 2) out[2] = p_[slot][2];
   }
 
-  /// Places a landmark seen from the vehicle and turns its noise to the world's axes; the new
-  /// state's first row.
-  int place_landmark(const Vector<T, LandmarkDim>& y, const Matrix<T, LandmarkDim, LandmarkDim>& R,
-                     Matrix<T, LandmarkDim, LandmarkDim>& R_world) {
+  using LandmarkRows = ErrorRows<T, LandmarkDim>;
+  using LandmarkMatrix = Matrix<T, LandmarkDim, LandmarkDim>;
+
+  /// Rotation from the vehicle's axes to the world's.
+  LandmarkMatrix vehicle_axes() const {
     const RelativeFrame<T> f = frame();
-    const int slot = this->table_.size();
-    const T body[2] = {y(0), y(1)};
-    T turned[2];
-    f.to_relative(body, turned);
-    p_[slot][0] = x_[0] + turned[0];
-    p_[slot][1] = x_[1] + turned[1];
-    if constexpr (LandmarkDim > 2) p_[slot][2] = y(2);
-    Matrix<T, LandmarkDim, LandmarkDim> rotation = Matrix<T, LandmarkDim, LandmarkDim>::Identity();
+    LandmarkMatrix rotation = LandmarkMatrix::Identity();
     rotation(0, 0) = f.cosine;
     rotation(0, 1) = -f.sine;
     rotation(1, 0) = f.sine;
     rotation(1, 1) = f.cosine;
-    const Matrix<T, LandmarkDim, LandmarkDim> half = rotation * R;
-    R_world = half * rotation.transpose();
-    const int first = this->P_.size();
-    this->P_.resize(first + LandmarkDim);
-    return first;
+    return rotation;
+  }
+
+  /// Puts the mean of the next landmark where it is seen from the vehicle.
+  void place_landmark(const LandmarkMatrix& rotation, const Vector<T, LandmarkDim>& y) {
+    const Vector<T, LandmarkDim> turned = rotation * y;
+    T* p = p_[this->table_.size()];
+    for (int i = 0; i < LandmarkDim; ++i) p[i] = turned(i);
+    for (int i = 0; i < 2; ++i) p[i] += x_[i];
+  }
+
+  void append_landmark(const Vector<T, LandmarkDim>& y, const LandmarkMatrix& R) {
+    this->derived().add_pending_now();
+    const LandmarkMatrix rotation = vehicle_axes();
+    place_landmark(rotation, y);
+    LandmarkRows rows;
+    this->derived().rows_with_vehicle(this->table_.size(), rows);
+    const LandmarkMatrix half = rotation * R;
+    append_error_rows(this->P_, rows, LandmarkMatrix(half * rotation.transpose()));
   }
 
   void remove_slot(int slot) {
@@ -101,5 +132,72 @@ class WorldFrameFilter
   T anchor_[2] = {};
   T p_[MaxLandmarks][LandmarkDim] = {};
 };
+
+#define CAIRN_WORLD_TEMPLATE template <class Derived, class T, int MaxLandmarks, int LandmarkDim>
+#define CAIRN_WORLD WorldFrameFilter<Derived, T, MaxLandmarks, LandmarkDim>
+
+CAIRN_WORLD_TEMPLATE
+Status CAIRN_WORLD::add_position(LandmarkId id) {
+  const Status status = this->make_room(id, nullptr);
+  if (!ok(status)) return status;
+  append_landmark(Vector<T, LandmarkDim>::Zero(), LandmarkMatrix::Zero());
+  this->enter(id);
+  this->table_.statistics(this->table_.size() - 1).pinned = true;
+  return Status::kOk;
+}
+
+CAIRN_WORLD_TEMPLATE
+Status CAIRN_WORLD::add_landmark_on_path(LandmarkId id, const Vector<T, LandmarkDim>& y_vehicle,
+                                         const Matrix<T, LandmarkDim, LandmarkDim>& R,
+                                         LandmarkId past, const Matrix<T, LandmarkDim, 2>& by_path,
+                                         LandmarkId* replaced) {
+  const Status valid = this->check_landmark(y_vehicle, R);
+  if (!ok(valid)) return valid;
+  if (!all_finite(by_path)) return Status::kNonFiniteInput;
+  if (this->find(past) < 0) return Status::kNotFound;
+  const Status status = this->make_room(id, replaced);
+  if (!ok(status)) return status;
+  const int slot = this->find(past);  // after make_room, which moves slots
+  this->derived().add_pending_now();
+  const LandmarkMatrix rotation = vehicle_axes();
+  place_landmark(rotation, y_vehicle);
+  LandmarkRows rows;
+  this->derived().rows_with_vehicle(this->table_.size(), rows);
+  const Matrix<T, LandmarkDim, 2> turned = rotation * by_path;
+  const Matrix<T, LandmarkDim, 2> by_world =
+      turned * rotation.template topLeftCorner<2, 2>().transpose();
+  for (int i = 0; i < LandmarkDim; ++i) {
+    for (int k = 0; k < 2; ++k) {
+      rows.add(i, Derived::kPositionState + k, by_world(i, k));
+      rows.add(i, Base::state_of(slot) + k, -by_world(i, k));
+    }
+  }
+  const LandmarkMatrix half = rotation * R;
+  append_error_rows(this->P_, rows, LandmarkMatrix(half * rotation.transpose()));
+  this->enter(id);
+  return Status::kOk;
+}
+
+CAIRN_WORLD_TEMPLATE
+Status CAIRN_WORLD::add_world_landmark(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
+                                       const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
+                                       LandmarkId* replaced) {
+  const Status valid = this->check_landmark(p_world, covariance);
+  if (!ok(valid)) return valid;
+  const Status status = this->make_room(id, replaced);
+  if (!ok(status)) return status;
+  this->derived().add_pending_now();
+  T* p = p_[this->table_.size()];
+  for (int i = 0; i < LandmarkDim; ++i) p[i] = p_world(i);
+  for (int i = 0; i < 2; ++i) p[i] -= anchor_[i];
+  LandmarkRows rows;
+  this->derived().rows_in_world(this->table_.size(), rows);
+  append_error_rows(this->P_, rows, covariance);
+  this->enter(id);
+  return Status::kOk;
+}
+
+#undef CAIRN_WORLD_TEMPLATE
+#undef CAIRN_WORLD
 
 }  // namespace cairn::detail

@@ -1,0 +1,155 @@
+#include <gtest/gtest.h>
+
+#include "cairn/planar/ekf_slam.hpp"
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/planar/lifted_iekf_slam.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr LandmarkId kPast = 100;
+constexpr LandmarkId kNew = 1;
+
+using Ekf = EkfSlam<double, 8, 3>;
+using Group = GroupIekfSlam<double, 8, 3>;
+
+/// GIVEN a filter that remembered a position and drove on from there.
+template <class Filter>
+class LandmarkOnPath : public ::testing::Test {
+ protected:
+  LandmarkOnPath() {
+    PlanarPose<double> pose;
+    pose.position = {1.0, -2.0};
+    pose.heading = 0.7;
+    EXPECT_TRUE(ok(filter_.initialise(pose, Vector3<double>(0.01, 0.02, 0.001).asDiagonal())));
+    EXPECT_TRUE(ok(filter_.add_position(kPast)));
+    for (int k = 0; k < 10; ++k) {
+      EXPECT_TRUE(ok(filter_.predict(twist_increment(0.5, 0.1, 0.1, 0.1, 0.02))));
+    }
+  }
+
+  /// Covariance of the way since the remembered position, in the filter's error coordinates.
+  Matrix2<double> way_covariance() const {
+    constexpr int kPosition = std::is_same_v<Filter, Group> ? 1 : 0;
+    Matrix2<double> c;
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) {
+        c(i, j) = at(kPosition + i, kPosition + j) - at(kPosition + i, 3 + j) -
+                  at(3 + i, kPosition + j) + at(3 + i, 3 + j);
+      }
+    }
+    return c;
+  }
+  double at(int i, int j) const { return filter_.error_covariance(i, j); }
+
+  Filter filter_;
+  const Vector3<double> y_{3.0, 1.0, 0.5};
+  const Matrix3<double> tiny_ = 1e-9 * Matrix3<double>::Identity();
+};
+
+using Filters = ::testing::Types<Ekf, Group>;
+TYPED_TEST_SUITE(LandmarkOnPath, Filters);
+
+TYPED_TEST(LandmarkOnPath, RemembersThePositionExactly) {
+  TypeParam filter;
+  PlanarPose<double> pose;
+  pose.position = {1.0, -2.0};
+  pose.heading = 0.7;
+  ASSERT_TRUE(ok(filter.initialise(pose, Vector3<double>(0.01, 0.02, 0.001).asDiagonal())));
+  ASSERT_TRUE(ok(filter.add_position(kPast)));
+  constexpr int kPosition = std::is_same_v<TypeParam, Group> ? 1 : 0;
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(filter.mean_landmark(0)(i), pose.position(i), 1e-12);
+    for (int j = 0; j < 3; ++j) {
+      EXPECT_NEAR(filter.error_covariance(3 + i, j), filter.error_covariance(kPosition + i, j),
+                  1e-12);
+    }
+  }
+}
+
+TYPED_TEST(LandmarkOnPath, SharesTheErrorOfTheWay) {
+  // WHEN a landmark's distance is told by a way of half a metre straight ahead
+  Matrix<double, 3, 2> by_path = Matrix<double, 3, 2>::Zero();
+  by_path.col(0) = this->y_ / 0.5;
+  ASSERT_TRUE(ok(this->filter_.add_landmark_on_path(kNew, this->y_, this->tiny_, kPast, by_path)));
+  // THEN its place relative to the vehicle errs as the way does, times six along x.
+  const double heading = this->filter_.mean_pose().heading;
+  Matrix2<double> R;
+  R << std::cos(heading), -std::sin(heading), std::sin(heading), std::cos(heading);
+  const Matrix2<double> gain = R * by_path.topRows<2>() * R.transpose();
+  const Matrix2<double> expected = gain * this->way_covariance() * gain.transpose();
+  constexpr bool kGroup = std::is_same_v<TypeParam, Group>;
+  constexpr int kPosition = kGroup ? 1 : 0;
+  const Vector3<double> p = this->filter_.mean_landmark(1);
+  const auto pose = this->filter_.mean_pose();
+  const double turn[2] = {kGroup ? 0.0 : pose.position.y() - p.y(),
+                          kGroup ? 0.0 : p.x() - pose.position.x()};
+  const int heading_state = kGroup ? 0 : 2;
+  // Relative error: landmark - vehicle - what the heading turns.
+  const auto relative = [&](int i, int state) {
+    return this->at(6 + i, state) - this->at(kPosition + i, state) -
+           turn[i] * this->at(heading_state, state);
+  };
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const double c =
+          relative(i, 6 + j) - relative(i, kPosition + j) - turn[j] * relative(i, heading_state);
+      EXPECT_NEAR(c, expected(i, j), 1e-8) << i << j;
+    }
+  }
+}
+
+TYPED_TEST(LandmarkOnPath, RefusesWhatItCannotUseAndStaysAsItWas) {
+  Hash64 before;
+  this->filter_.hash(before);
+  const Matrix<double, 3, 2> none = Matrix<double, 3, 2>::Zero();
+  EXPECT_EQ(this->filter_.add_landmark_on_path(kNew, this->y_, this->tiny_, 55, none),
+            Status::kNotFound);
+  EXPECT_EQ(this->filter_.add_landmark_on_path(kPast, this->y_, this->tiny_, kPast, none),
+            Status::kDuplicate);
+  EXPECT_EQ(this->filter_.add_landmark_on_path(kNew, this->y_, -this->tiny_, kPast, none),
+            Status::kInvalidArgument);
+  EXPECT_EQ(this->filter_.add_position(kNoLandmark), Status::kInvalidArgument);
+  EXPECT_EQ(this->filter_.add_position(kPast), Status::kDuplicate);
+  Hash64 after;
+  this->filter_.hash(after);
+  EXPECT_EQ(before.value(), after.value());
+}
+
+TYPED_TEST(LandmarkOnPath, NeverReplacesARememberedPosition) {
+  for (LandmarkId id = 1; id < 8; ++id) {
+    ASSERT_TRUE(ok(this->filter_.add_landmark(id, this->y_, Matrix3<double>::Identity())));
+  }
+  for (LandmarkId id = 10; id < 30; ++id) {
+    static_cast<void>(this->filter_.add_landmark(id, this->y_, Matrix3<double>::Identity()));
+  }
+  EXPECT_GE(this->filter_.find(kPast), 0);
+}
+
+/// A landmark known in the world is no surer of the vehicle's pose than before, and has its own
+/// covariance whatever the heading's is.
+TYPED_TEST(LandmarkOnPath, ALandmarkOfTheWorldKeepsItsCovariance) {
+  const Matrix3<double> own = Vector3<double>(0.04, 0.09, 0.01).asDiagonal();
+  ASSERT_TRUE(ok(this->filter_.add_world_landmark(kNew, {4.0, 3.0, 0.5}, own)));
+  const Matrix3<double> got = this->filter_.landmark_covariance(1);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(got(i, i), own(i, i), 2e-3) << i;
+  EXPECT_NEAR(this->filter_.mean_landmark(1).x(), 4.0, 1e-12);
+}
+
+TEST(LandmarkOnPathLifted, TakesTheWayAsIndependentNoise) {
+  LiftedIekfSlam<double, 8, 3> filter;
+  ASSERT_TRUE(ok(filter.initialise({}, 1e-4 * Matrix3<double>::Identity())));
+  ASSERT_TRUE(ok(filter.add_position(kPast)));
+  for (int k = 0; k < 10; ++k) {
+    ASSERT_TRUE(ok(filter.predict(twist_increment(0.5, 0.1, 0.1, 0.1, 0.02))));
+  }
+  Matrix<double, 3, 2> by_path = Matrix<double, 3, 2>::Zero();
+  by_path(0, 0) = 6.0;
+  const Matrix3<double> tiny = 1e-9 * Matrix3<double>::Identity();
+  ASSERT_TRUE(ok(filter.add_landmark_on_path(kNew, {3.0, 0.0, 0.5}, tiny, kPast, by_path)));
+  // Ten steps of 1 cm deviation each, six times.
+  EXPECT_GT(filter.landmark_covariance(1)(0, 0), 36.0 * 10.0 * 1e-4 * 0.9);
+}
+
+}  // namespace
+}  // namespace cairn
