@@ -9,13 +9,14 @@
 namespace cairn {
 namespace {
 
-using Pool = CandidatePool<16>;
+using Pool = CandidatePool<16, 4>;
 using test::PlaneScene;
 
 /// GIVEN candidates on a plane 3 m ahead, started without knowledge of their depth.
 class CandidateDepth : public ::testing::Test {
  protected:
   static constexpr double kDepth = 3.0;
+  static constexpr LandmarkId kKeyframe = 7;
 
   void start() {
     const auto image = scene_.render(camera_, Rigid<double>{});
@@ -26,9 +27,10 @@ class CandidateDepth : public ::testing::Test {
                                64, report)));
     pool_.follow(test::view(image, camera_), test::to_float(camera_), Rigid<float>{}, parameters_,
                  scratch_);
+    ASSERT_TRUE(ok(pool_.begin_keyframe(kKeyframe)));
     for (int i = 0; i < report.found - report.dropped && !pool_.full(); i += 3) {
       static_cast<void>(pool_.add(test::view(image, camera_), test::to_float(camera_), corners[i].x,
-                                  corners[i].y, parameters_));
+                                  corners[i].y, kKeyframe, parameters_));
     }
     ASSERT_GE(pool_.size(), 5);
   }
@@ -51,12 +53,13 @@ TEST_F(CandidateDepth, IsFoundBySidewaysMotion) {
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
                  parameters_, scratch_);
     Promotion promotion;
-    while (pool_.promote(test::to_float(camera_), test::to_float(T), parameters_, promotion)) {
+    while (pool_.promote(test::to_float(camera_), parameters_, promotion)) {
       ++promoted;
       // THEN the depth of those promoted is right within their own deviation.
-      const float sigma = std::sqrt(promotion.covariance(2, 2));
-      EXPECT_NEAR(promotion.p_camera.z(), kDepth, 3.0 * static_cast<double>(sigma));
-      EXPECT_LT(sigma, 0.4F);
+      const float sigma = promotion.sigma_depth_m;
+      EXPECT_NEAR(promotion.depth_m, kDepth, 3.0 * static_cast<double>(sigma));
+      EXPECT_LT(sigma, 0.5F);
+      EXPECT_EQ(promotion.keyframe, kKeyframe);
     }
   }
   EXPECT_GE(promoted * 2, started);
@@ -70,9 +73,42 @@ TEST_F(CandidateDepth, StaysUnknownUnderPureRotation) {
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
                  parameters_, scratch_);
     Promotion promotion;
-    EXPECT_FALSE(pool_.promote(test::to_float(camera_), test::to_float(T), parameters_, promotion));
+    EXPECT_FALSE(pool_.promote(test::to_float(camera_), parameters_, promotion));
   }
   EXPECT_GE(pool_.size(), 4);
+}
+
+/// An error of the caller's heading looks like parallax: it must not end up in the depths.
+TEST_F(CandidateDepth, IsToldApartFromAnUnreportedTurn) {
+  start();
+  int promoted = 0;
+  parameters_.sigma_yaw_rad = 0.006F;
+  for (int k = 1; k <= 14; ++k) {
+    const Rigid<double> T{Quaternion<double>::Identity(), {0.04 * k, 0, 0}};
+    const double turn = 0.005 * ((k % 3) - 1) + 0.001 * k;
+    const Rigid<double> reported{rotation_exp(Vector3<double>(0, turn, 0)), T.translation};
+    const auto image = scene_.render(camera_, T);
+    pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(reported),
+                 parameters_, scratch_);
+    Promotion promotion;
+    while (pool_.promote(test::to_float(camera_), parameters_, promotion)) {
+      ++promoted;
+      EXPECT_NEAR(promotion.depth_m, kDepth, 3.0 * static_cast<double>(promotion.sigma_depth_m));
+    }
+  }
+  EXPECT_GE(promoted, 3);
+}
+
+TEST_F(CandidateDepth, IsForgottenWithItsKeyframe) {
+  start();
+  const int started = pool_.size();
+  EXPECT_EQ(pool_.end_keyframes(true), 0) << "there is room for three more";
+  for (LandmarkId id = 8; id < 11; ++id) ASSERT_TRUE(ok(pool_.begin_keyframe(id)));
+  EXPECT_EQ(pool_.begin_keyframe(11), Status::kFull);
+  EXPECT_EQ(pool_.end_keyframes(false), 0);
+  EXPECT_FALSE(pool_.has_keyframe(8)) << "nothing began there";
+  EXPECT_TRUE(pool_.has_keyframe(kKeyframe));
+  EXPECT_EQ(pool_.size(), started);
 }
 
 TEST_F(CandidateDepth, LostCandidatesAreDropped) {

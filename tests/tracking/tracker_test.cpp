@@ -185,6 +185,22 @@ TEST_F(VehicleAtAWall, SameInputGivesTheSameBytes) {
   }
 }
 
+/// With noise linearised at a wild reading, distance and turn would correlate as the reading's own
+/// error has it, and correcting the heading would shorten the way, whatever the error's sign.
+TEST_F(VehicleAtAWall, AWildSteeringReadingDoesNotTieDistanceToTurn) {
+  OdometrySample sample;
+  sample.kind = OdometrySample::Kind::kAckermann;
+  sample.speed_mps = 0.5F;
+  for (int k = 1; k <= 30; ++k) {
+    sample.t_us = k * kStepUs;
+    sample.turn = k == 30 ? 0.4F : 0.0F;
+    ASSERT_TRUE(ok(tracker_->add_odometry(sample)));
+  }
+  const Matrix3<float> c = tracker_->filter().pose_covariance();
+  const float correlation = c(0, 2) / std::sqrt(c(0, 0) * c(2, 2));
+  EXPECT_LT(std::abs(correlation), 0.02F);
+}
+
 TEST_F(VehicleAtAWall, BadOdometryIsRefusedAndCounted) {
   for (int k = 0; k < 3; ++k) static_cast<void>(step(*tracker_, k, report_));
   const std::uint64_t before = hash_of(*tracker_);

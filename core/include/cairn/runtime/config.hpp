@@ -12,6 +12,7 @@ struct DefaultConfig {
   static constexpr int kMaxFeatures = 32;        ///< MonoEkf features
   static constexpr int kLibraryLandmarks = 256;  ///< archived
   static constexpr int kMaxCandidates = 32;      ///< seen, not yet in the filter
+  static constexpr int kMaxKeyframes = 8;        ///< past positions in the filter's state
 };
 
 struct TinyConfig : DefaultConfig {

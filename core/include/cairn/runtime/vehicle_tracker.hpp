@@ -27,14 +27,20 @@ template <class Config, class Filter>
 class VehicleTracker {
  public:
   static constexpr int kMaxLandmarks = Config::kMaxLandmarks;
+  static constexpr int kMaxKeyframes = Config::kMaxKeyframes;
   using Supply = FeatureSupply<Config::kMaxImageWidth>;
-  using Pool = CandidatePool<Config::kMaxCandidates>;
+  using Pool = CandidatePool<Config::kMaxCandidates, Config::kMaxKeyframes>;
+
+  /// All landmarks share the error of the heading: one frame in a hundred without any of them would
+  /// be too many, so windows and gates are at 99.99 % (chi-square, 2 degrees of freedom).
+  static constexpr float kWideGate = 18.42F;
 
   struct OdometryNoise {
     float sigma_speed_mps = 0.1F;  ///< per sample
     float sigma_turn = 0.0873F;    ///< steering angle, rad, or yaw rate, rad/s, per sample
     float wheelbase_m = 0.5F;      ///< kAckermann only
     float sample_period_s = 0.1F;  ///< the period at which the noise above is stated
+    float steady_s = 0.3F;         ///< low pass of the readings at which noise is linearised
   };
 
   struct Parameters {
@@ -44,6 +50,8 @@ class VehicleTracker {
     Parameters() {
       filter.reacquire_after = 0;
       filter.ransac.min_support = 2;
+      filter.gate = kWideGate;
+      search.gate = kWideGate;
     }
 
     PlanarParameters<float> filter;
@@ -51,9 +59,11 @@ class VehicleTracker {
     SearchParameters search;
     typename Supply::Parameters supply;
     typename Pool::Parameters pool;
-    float sigma_px = 1.0F;
+    float sigma_px = 0.5F;
+    float tracked_yaw_rad = 3e-4F;     ///< error of the filter's turn in one frame, while tracking
     int target_in_view = 40;           ///< landmarks and candidates wanted in view
-    int max_births_per_frame = 6;      ///< new candidates
+    int max_births_per_frame = 16;     ///< new candidates
+    int keyframe_interval = 8;         ///< frames between frames with new candidates
     int max_promotions_per_frame = 4;  ///< candidates that become landmarks
     int max_searches = 40;
     int min_inliers = 4;
@@ -110,15 +120,23 @@ class VehicleTracker {
     Rigid<float> T_world_camera() const { return tracker.T_world_camera(); }
   };
 
+  static constexpr float kShortestPath_m = 1e-3F;
+
   static Rigid<float> lift(const PlanarPose<float>& pose);
   Status check_input(const ImageView& image, std::int64_t t_us);
   Status integrate_to(std::int64_t t_us);
+  PlanarIncrement<float> increment_of(const OdometrySample& motion, float dt, float scale) const;
+  OdometrySample steadied(const OdometrySample& sample) const;
   void update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
   void remove_landmarks(FrameReport& report);
+  void make_room(FrameReport& report);
+  void remove_landmark(int slot, FrameReport& report);
   void build_map(const ImageView& image, FrameReport& report);
   void promote_candidates(FrameReport& report);
+  bool add_promoted(const Promotion& promotion, FrameReport& report);
+  bool begin_keyframe();
+  void end_keyframes(bool make_room);
   void judge(FrameReport& report);
-  void reckon(const PlanarIncrement<float>& increment);
   typename Pool::Parameters pool_parameters() const;
 
   PinholeCamera<float> camera_;
@@ -134,10 +152,10 @@ class VehicleTracker {
   } scratch_;
   Random random_;
   Health health_;
-  PlanarPose<float> reckoned_;  ///< dead reckoning: odometry alone, the candidates' motion
   float frame_step_s_ = 0.0F;
-  float turn_variance_ = 0.0F;  ///< of it since the last frame, rad^2
+  float turn_variance_ = 0.0F;  ///< of the odometry's turn since the last frame, rad^2
   OdometrySample motion_;       ///< last sample: held for extrapolation
+  OdometrySample steady_motion_;
   TrackingState state_ = TrackingState::kInitialising;
   bool initialised_ = false;
   bool has_frame_ = false;
@@ -145,6 +163,8 @@ class VehicleTracker {
   std::int64_t time_us_ = 0;  ///< of the filter's pose
   std::int64_t last_frame_us_ = 0;
   LandmarkId next_id_ = 1;
+  FixedVector<LandmarkId, kMaxKeyframes> keyframes_;  ///< past positions in the filter
+  int frames_since_keyframe_ = 0;
   int weak_frames_ = 0;
 };
 

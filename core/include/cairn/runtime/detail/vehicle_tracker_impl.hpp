@@ -27,9 +27,10 @@ Status VehicleTracker<Config, Filter>::initialise(const PinholeCamera<float>& ca
   has_frame_ = false;
   has_motion_ = false;
   time_us_ = start.t_us;
-  reckoned_ = start.pose;
   turn_variance_ = 0.0F;
   next_id_ = 1;
+  keyframes_.clear();
+  frames_since_keyframe_ = parameters.keyframe_interval;
   weak_frames_ = 0;
   return Status::kOk;
 }
@@ -66,10 +67,23 @@ Status VehicleTracker<Config, Filter>::add_odometry(const OdometrySample& sample
     ++health_.time_errors;
     return Status::kTimeBackwards;
   }
+  steady_motion_ = has_motion_ ? steadied(sample) : sample;
   motion_ = sample;
   has_motion_ = true;
   // A frame may have taken the pose beyond this sample already: the sample then counts from there.
   return sample.t_us > time_us_ ? integrate_to(sample.t_us) : Status::kOk;
+}
+
+/// Low pass of the readings over `steady_s`.
+template <class Config, class Filter>
+OdometrySample VehicleTracker<Config, Filter>::steadied(const OdometrySample& sample) const {
+  const float dt = static_cast<float>(sample.t_us - motion_.t_us) * 1e-6F;
+  const float share = dt > 0.0F ? dt / (dt + parameters_.odometry.steady_s) : 0.0F;
+  OdometrySample steady = sample;
+  steady.speed_mps =
+      steady_motion_.speed_mps + share * (sample.speed_mps - steady_motion_.speed_mps);
+  steady.turn = steady_motion_.turn + share * (sample.turn - steady_motion_.turn);
+  return steady;
 }
 
 template <class Config, class Filter>
@@ -87,27 +101,26 @@ Status VehicleTracker<Config, Filter>::integrate_to(std::int64_t t_us) {
   // The sample's noise is stated per sample_period: cut into shorter steps its sum must stay the
   // same.
   const float scale = sqrt(noise.sample_period_s / dt);
-  const PlanarIncrement<float> increment =
-      motion_.kind == OdometrySample::Kind::kAckermann
-          ? ackermann_increment(motion_.speed_mps, motion_.turn, dt, noise.wheelbase_m,
-                                noise.sigma_speed_mps * scale, noise.sigma_turn * scale)
-          : twist_increment(motion_.speed_mps, motion_.turn, dt, noise.sigma_speed_mps * scale,
-                            noise.sigma_turn * scale);
+  PlanarIncrement<float> increment = increment_of(motion_, dt, scale);
+  // Noise linearised at the reading would correlate with the reading's own error: a steering error
+  // would each time be taken for a slower vehicle. Only the size of the speed may come from it.
+  OdometrySample linearised = steady_motion_;
+  if (abs(motion_.speed_mps) > abs(linearised.speed_mps)) linearised.speed_mps = motion_.speed_mps;
+  increment.covariance = increment_of(linearised, dt, scale).covariance;
   const Status status = filter_.predict(increment);
-  if (ok(status)) reckon(increment);
+  if (ok(status)) turn_variance_ += increment.covariance(1, 1);
   return status;
 }
 
 template <class Config, class Filter>
-void VehicleTracker<Config, Filter>::reckon(const PlanarIncrement<float>& increment) {
-  const Displacement<float> step = displacement(increment);
-  float sine = 0.0F;
-  float cosine = 1.0F;
-  sin_cos(reckoned_.heading, sine, cosine);
-  reckoned_.position.x() += cosine * step.u.x() - sine * step.u.y();
-  reckoned_.position.y() += sine * step.u.x() + cosine * step.u.y();
-  reckoned_.heading = wrap_angle(reckoned_.heading + increment.turn_rad);
-  turn_variance_ += increment.covariance(1, 1);
+PlanarIncrement<float> VehicleTracker<Config, Filter>::increment_of(const OdometrySample& motion,
+                                                                    float dt, float scale) const {
+  const OdometryNoise& noise = parameters_.odometry;
+  return motion.kind == OdometrySample::Kind::kAckermann
+             ? ackermann_increment(motion.speed_mps, motion.turn, dt, noise.wheelbase_m,
+                                   noise.sigma_speed_mps * scale, noise.sigma_turn * scale)
+             : twist_increment(motion.speed_mps, motion.turn, dt, noise.sigma_speed_mps * scale,
+                               noise.sigma_turn * scale);
 }
 
 template <class Config, class Filter>
@@ -116,8 +129,6 @@ VehicleTracker<Config, Filter>::pool_parameters() const {
   constexpr float kSlowest = 0.02F;
   typename Pool::Parameters pool = parameters_.pool;
   const float speed = abs(motion_.speed_mps) > kSlowest ? abs(motion_.speed_mps) : kSlowest;
-  pool.translation_noise =
-      parameters_.odometry.sigma_speed_mps * sqrt(parameters_.odometry.sample_period_s / speed);
   pool.search = parameters_.search;
   // Depth is told by the way made between frames: a fast vehicle must look, and may trust, farther.
   constexpr float kInitialDepthInSteps = 12.0F;
@@ -128,7 +139,8 @@ VehicleTracker<Config, Filter>::pool_parameters() const {
     pool.initial_sigma_rho = 1.0F / pool.initial_depth_m;
   }
   if (kMaxDepthInSteps * step > pool.max_depth_m) pool.max_depth_m = kMaxDepthInSteps * step;
-  pool.rotation_sigma_rad = sqrt(turn_variance_) + 1e-4F;
+  pool.sigma_yaw_rad = state_ == TrackingState::kTracking ? parameters_.tracked_yaw_rad
+                                                          : sqrt(turn_variance_) + 1e-4F;
   return pool;
 }
 
@@ -213,27 +225,54 @@ void VehicleTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxL
 template <class Config, class Filter>
 void VehicleTracker<Config, Filter>::remove_landmarks(FrameReport& report) {
   for (int slot = filter_.landmark_count() - 1; slot >= 0; --slot) {
-    const LandmarkId id = filter_.landmark_id(slot);
-    const TrackedLandmark* landmark = table_.find(id);
-    const bool unknown = landmark == nullptr;
-    const bool poor =
-        !unknown && landmark->predicted >= 8 && 2 * landmark->measured < landmark->predicted;
-    if (!unknown && !poor) continue;
-    if (!ok(filter_.remove_landmark(slot))) continue;
-    table_.remove(id);
-    ++report.removed;
-    ++health_.landmarks_removed;
+    const TrackedLandmark* landmark = table_.find(filter_.landmark_id(slot));
+    if (landmark == nullptr) continue;
+    if (landmark->predicted < 8 || 2 * landmark->measured >= landmark->predicted) continue;
+    remove_landmark(slot, report);
+  }
+  make_room(report);
+}
+
+/// Keeps `kReserve` slots free for what comes into view, at the cost of the landmarks longest out
+/// of it: a full map of places passed would leave the vehicle blind.
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::make_room(FrameReport& report) {
+  constexpr int kReserve = kMaxLandmarks / 6;
+  constexpr int kLeastFramesOutOfView = 15;
+  for (int i = 0; i < parameters_.max_promotions_per_frame; ++i) {
+    if (filter_.landmark_count() + kReserve <= kMaxLandmarks) return;
+    int longest = -1;
+    int frames = kLeastFramesOutOfView;
+    for (int slot = 0; slot < filter_.landmark_count(); ++slot) {
+      const TrackedLandmark* landmark = table_.find(filter_.landmark_id(slot));
+      if (landmark == nullptr || landmark->frames_out_of_view <= frames) continue;
+      frames = landmark->frames_out_of_view;
+      longest = slot;
+    }
+    if (longest < 0) return;
+    remove_landmark(longest, report);
   }
 }
 
 template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::remove_landmark(int slot, FrameReport& report) {
+  const LandmarkId id = filter_.landmark_id(slot);
+  if (!ok(filter_.remove_landmark(slot))) return;
+  table_.remove(id);
+  ++report.removed;
+  ++health_.landmarks_removed;
+}
+
+template <class Config, class Filter>
 void VehicleTracker<Config, Filter>::build_map(const ImageView& image, FrameReport& report) {
-  const int dropped = pool_.follow(image, camera_, lift(reckoned_) * T_vehicle_camera_,
-                                   pool_parameters(), scratch_.search);
+  const int dropped =
+      pool_.follow(image, camera_, T_world_camera(), pool_parameters(), scratch_.search);
 
   health_.candidates_dropped += static_cast<std::uint32_t>(dropped);
   promote_candidates(report);
+  end_keyframes(false);
   turn_variance_ = 0.0F;
+  if (++frames_since_keyframe_ < parameters_.keyframe_interval) return;
 
   int in_view = pool_.size();
   for (int i = 0; i < pool_.size(); ++i) supply_.occupy(pool_[i].pixel.x(), pool_[i].pixel.y());
@@ -253,8 +292,10 @@ void VehicleTracker<Config, Filter>::build_map(const ImageView& image, FrameRepo
       supply_.find(image, parameters_.supply, limit, scratch_.supply, corners, supplied);
   report.corners += supplied.corners;
   health_.corners_dropped += static_cast<std::uint32_t>(supplied.corners_dropped);
+  if (found == 0 || !begin_keyframe()) return;
   for (int i = 0; i < found; ++i) {
-    const Status status = pool_.add(image, camera_, corners[i].x, corners[i].y, pool_parameters());
+    const Status status = pool_.add(image, camera_, corners[i].x, corners[i].y,
+                                    keyframes_[keyframes_.size() - 1], pool_parameters());
     if (status == Status::kFull) break;
   }
 }
@@ -263,27 +304,88 @@ template <class Config, class Filter>
 void VehicleTracker<Config, Filter>::promote_candidates(FrameReport& report) {
   for (int i = 0; i < parameters_.max_promotions_per_frame; ++i) {
     Promotion promotion;
-    if (!pool_.promote(camera_, T_world_camera(), pool_parameters(), promotion)) return;
-    const Matrix3<float> R_vehicle_camera = T_vehicle_camera_.rotation.toRotationMatrix();
-    const Matrix3<float> turned = R_vehicle_camera * promotion.covariance;
-    const Matrix3<float> covariance = turned * R_vehicle_camera.transpose();
-    const Vector3<float> p_vehicle = T_vehicle_camera_ * promotion.p_camera;
-    TrackedLandmark landmark;
-    landmark.id = next_id_;
-    landmark.appearance = promotion.appearance;
-    LandmarkId replaced = kNoLandmark;
-    if (!ok(filter_.add_landmark(landmark.id, p_vehicle, covariance, &replaced))) {
-      ++health_.landmarks_refused;
-      continue;
-    }
-    ++next_id_;
-    if (replaced != kNoLandmark) {
-      table_.remove(replaced);
-      ++health_.landmarks_replaced;
-    }
-    table_.add(landmark);
-    ++report.added;
-    ++health_.landmarks_added;
+    if (!pool_.promote(camera_, pool_parameters(), promotion)) return;
+    if (!add_promoted(promotion, report)) ++health_.landmarks_refused;
+  }
+}
+
+/// The pool tells depth in units of the way made since the candidate's keyframe, and the filter
+/// knows that way better than dead reckoning does: it has both ends in its state.
+template <class Config, class Filter>
+bool VehicleTracker<Config, Filter>::add_promoted(const Promotion& promotion, FrameReport& report) {
+  const int slot = filter_.find(promotion.keyframe);
+  if (slot < 0) return false;
+  const Rigid<float> T_world_vehicle = lift(filter_.mean_pose());
+  const Rigid<float> T_world_camera = T_world_vehicle * T_vehicle_camera_;
+  const Quaternion<float> R_world_first =
+      T_world_camera.rotation * promotion.T_camera_first.rotation;
+  const Quaternion<float> R_world_past = R_world_first * T_vehicle_camera_.rotation.conjugate();
+  const Vector3<float> first_camera =
+      filter_.mean_landmark(slot) + R_world_past * T_vehicle_camera_.translation;
+  const Vector3<float> path = T_world_camera.translation - first_camera;
+  const Vector3<float>& reckoned = promotion.T_camera_first.translation;
+  const float length = sqrt(path.dot(path));
+  const float reckoned_length = sqrt(reckoned.dot(reckoned));
+  if (!(length > kShortestPath_m) || !(reckoned_length > kShortestPath_m)) return false;
+  const float scale = length / reckoned_length;
+  const float depth = promotion.depth_m * scale;
+  const float sigma_depth = promotion.sigma_depth_m * scale;
+  const float sigma_lateral = depth * parameters_.pool.sigma_px / camera_.fx;
+  Matrix3<float> covariance = square(sigma_depth) * (promotion.ray * promotion.ray.transpose());
+  covariance(0, 0) += square(sigma_lateral);
+  covariance(1, 1) += square(sigma_lateral);
+  const Matrix3<float> R_vehicle_camera = T_vehicle_camera_.rotation.toRotationMatrix();
+  const Matrix3<float> turned = R_vehicle_camera * covariance;
+  const Vector3<float> offset = R_vehicle_camera * Vector3<float>(promotion.ray * depth);
+  const Vector3<float> direction = (T_world_vehicle.rotation.conjugate() * path) * (1.0F / length);
+  const Matrix<float, 3, 2> by_path =
+      (offset * (1.0F / length)) * direction.template head<2>().transpose();
+  TrackedLandmark landmark;
+  landmark.id = next_id_;
+  landmark.appearance = promotion.appearance;
+  landmark.appearance.T_world_reference =
+      T_world_camera * Rigid<float>{promotion.T_camera_first.rotation, reckoned * scale};
+  LandmarkId replaced = kNoLandmark;
+  if (!ok(filter_.add_landmark_on_path(landmark.id, T_vehicle_camera_.translation + offset,
+                                       turned * R_vehicle_camera.transpose(), promotion.keyframe,
+                                       by_path, &replaced))) {
+    return false;
+  }
+  ++next_id_;
+  if (replaced != kNoLandmark) {
+    table_.remove(replaced);
+    ++health_.landmarks_replaced;
+  }
+  table_.add(landmark);
+  ++report.added;
+  ++health_.landmarks_added;
+  return true;
+}
+
+/// Makes this frame one at which candidates begin; false when pool or filter have no room.
+template <class Config, class Filter>
+bool VehicleTracker<Config, Filter>::begin_keyframe() {
+  end_keyframes(true);
+  const LandmarkId id = next_id_;
+  if (keyframes_.full() || !ok(filter_.add_position(id))) return false;
+  if (!ok(pool_.begin_keyframe(id))) {
+    static_cast<void>(filter_.remove_landmark(filter_.find(id)));
+    return false;
+  }
+  ++next_id_;
+  keyframes_.push_back(id);
+  frames_since_keyframe_ = 0;
+  return true;
+}
+
+/// Forgets the positions that no candidate refers to any more.
+template <class Config, class Filter>
+void VehicleTracker<Config, Filter>::end_keyframes(bool make_room) {
+  health_.candidates_dropped += static_cast<std::uint32_t>(pool_.end_keyframes(make_room));
+  for (int i = keyframes_.size() - 1; i >= 0; --i) {
+    if (pool_.has_keyframe(keyframes_[i])) continue;
+    static_cast<void>(filter_.remove_landmark(filter_.find(keyframes_[i])));
+    keyframes_.remove_unordered(i);
   }
 }
 

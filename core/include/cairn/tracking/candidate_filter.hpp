@@ -1,0 +1,158 @@
+#pragma once
+
+#include "cairn/geometry/camera.hpp"
+#include "cairn/geometry/rigid.hpp"
+#include "cairn/numeric/math.hpp"
+#include "cairn/numeric/packed_symmetric.hpp"
+
+namespace cairn {
+
+/// Kalman filter over what a pool of candidates does not know: the turn of the current camera and
+/// of the keyframes at which candidates began (pitch and yaw in the camera's own axes), and each
+/// candidate's inverse depth. Turn and depth must be estimated together: a yaw error and the
+/// parallax of points on one side of the image look alike, and a depth that was told apart from it
+/// is wrong by more than its variance says. Camera translation counts as known.
+///
+/// State: 2 for the camera, 2 for each keyframe, 1 for each candidate; a slot that is not in use
+/// has variance zero. The means live with the caller, this class hands out corrections.
+template <int Keyframes, int Candidates>
+class CandidateFilter {
+ public:
+  static constexpr int kStates = 2 + 2 * Keyframes + Candidates;
+
+  CandidateFilter() { P_.resize(kStates); }
+
+  /// What one update moves: turns in rad about camera x and y, inverse depths in 1/m.
+  struct Correction {
+    float state[kStates] = {};
+    Vector3<float> camera() const { return {state[0], state[1], 0.0F}; }
+    Vector3<float> keyframe(int k) const { return {state[2 + 2 * k], state[3 + 2 * k], 0.0F}; }
+    float depth(int slot) const { return state[2 + 2 * Keyframes + slot]; }
+  };
+
+  /// Residual of one candidate: measured minus predicted pixel, and the Jacobians of the
+  /// prediction.
+  struct Residual {
+    int slot = 0;
+    int keyframe = 0;
+    Vector2<float> pixel;
+    Matrix2<float> by_camera;
+    Matrix2<float> by_keyframe;
+    Vector2<float> by_depth;
+  };
+
+  void clear() {
+    P_.resize(0);
+    P_.resize(kStates);
+  }
+
+  /// Adds the uncertainty of the camera's turn since the frame before, rad per axis.
+  void predict(float sigma_pitch, float sigma_yaw) {
+    P_(0, 0) += square(sigma_pitch);
+    P_(1, 1) += square(sigma_yaw);
+  }
+
+  /// Makes the current camera keyframe k. Cost: one pass over two rows.
+  void begin_keyframe(int k) {
+    const int first = 2 + 2 * k;
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < kStates; ++j) {
+        if (j != first && j != first + 1) P_(first + i, j) = P_(i, j);
+      }
+    }
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j <= i; ++j) P_(first + i, first + j) = P_(i, j);
+    }
+  }
+
+  void begin_candidate(int slot, float variance) {
+    end(state_of(slot), 1);
+    P_(state_of(slot), state_of(slot)) = variance;
+  }
+  void end_keyframe(int k) { end(2 + 2 * k, 2); }
+  void end_candidate(int slot) { end(state_of(slot), 1); }
+  /// The last candidate's slot takes the place of another.
+  void move_candidate(int from, int to) {
+    if (from == to) return;
+    const int a = state_of(from);
+    const int b = state_of(to);
+    for (int j = 0; j < kStates; ++j) {
+      if (j != a && j != b) P_(b, j) = P_(a, j);
+    }
+    P_(b, b) = P_(a, a);
+    end(a, 1);
+  }
+
+  float variance(int slot) const { return P_(state_of(slot), state_of(slot)); }
+
+  /// Innovation covariance of a residual, px^2.
+  Matrix2<float> innovation_covariance(const Residual& residual, float sigma_px) const {
+    int index[kTerms];
+    Vector2<float> h[kTerms];
+    terms(residual, index, h);
+    Matrix2<float> s = square(sigma_px) * Matrix2<float>::Identity();
+    for (int a = 0; a < kTerms; ++a) {
+      for (int b = 0; b < kTerms; ++b) s += P_(index[a], index[b]) * (h[a] * h[b].transpose());
+    }
+    return s;
+  }
+
+  /// Uses a residual unless what `pending` leaves of it is outside the gate; false then. `pending`
+  /// gathers the corrections of this frame's updates: residuals are those at the predicted state.
+  /// Cost: 2 kStates^2 multiply-adds.
+  bool update(const Residual& residual, float sigma_px, float gate, Correction& pending) {
+    int index[kTerms];
+    Vector2<float> h[kTerms];
+    terms(residual, index, h);
+    Vector2<float> innovation = residual.pixel;
+    for (int a = 0; a < kTerms; ++a) innovation -= pending.state[index[a]] * h[a];
+    const Matrix2<float> s = innovation_covariance(residual, sigma_px);
+    float i00 = 0.0F;
+    float i01 = 0.0F;
+    float i11 = 0.0F;
+    if (!invert_spd2(s(0, 0), s(0, 1), s(1, 1), i00, i01, i11)) return false;
+    const float w0 = i00 * innovation.x() + i01 * innovation.y();
+    const float w1 = i01 * innovation.x() + i11 * innovation.y();
+    if (!(innovation.x() * w0 + innovation.y() * w1 <= gate)) return false;
+    float a[kStates];
+    float b[kStates];
+    float coefficients[2][kTerms];
+    for (int k = 0; k < kTerms; ++k) {
+      coefficients[0][k] = h[k].x();
+      coefficients[1][k] = h[k].y();
+    }
+    P_.multiply_sparse(index, coefficients[0], kTerms, a);
+    P_.multiply_sparse(index, coefficients[1], kTerms, b);
+    for (int j = 0; j < kStates; ++j) pending.state[j] += a[j] * w0 + b[j] * w1;
+    P_.downdate(a, b, i00, i01, i11);
+    return true;
+  }
+
+ private:
+  static constexpr int kTerms = 5;
+
+  static int state_of(int slot) { return 2 + 2 * Keyframes + slot; }
+
+  void end(int first, int count) {
+    for (int i = first; i < first + count; ++i) {
+      for (int j = 0; j < kStates; ++j) P_(i, j) = 0.0F;
+    }
+  }
+
+  static void terms(const Residual& residual, int* index, Vector2<float>* h) {
+    index[0] = 0;
+    index[1] = 1;
+    index[2] = 2 + 2 * residual.keyframe;
+    index[3] = index[2] + 1;
+    index[4] = state_of(residual.slot);
+    for (int k = 0; k < 2; ++k) {
+      h[k] = residual.by_camera.col(k);
+      h[2 + k] = residual.by_keyframe.col(k);
+    }
+    h[4] = residual.by_depth;
+  }
+
+  PackedSymmetric<float, kStates> P_;
+};
+
+}  // namespace cairn
