@@ -23,6 +23,8 @@ MonoParameters<float> paper_parameters() {
   p.rate_noise = 0.875F;
   p.initial_velocity_sigma_mps = 0.625F;
   p.initial_rate_sigma_radps = 0.625F;
+  p.linearity_threshold = 0.1F;
+  p.depth_from_map = false;
   return p;
 }
 

@@ -19,7 +19,7 @@ MonoParameters<double> plain_parameters() {
   MonoParameters<double> parameters;
   parameters.ransac.min_support = 1;
   parameters.support_gate = 1e12;
-  parameters.linearity_threshold = 0.0;
+  parameters.depth_from_map = false;
   parameters.min_inverse_depth = 1e-12;
   return parameters;
 }

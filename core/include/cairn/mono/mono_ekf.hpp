@@ -104,8 +104,9 @@ class MonoEkf {
   /// most Parameters::ransac.max_hypotheses * count projections.
   Status update(PixelMatch<T>* matches, int count, Random& random, UpdateReport& report);
 
-  /// New feature at `pixel` of the present frame, with the inverse depth of the parameters or the
-  /// one given (1/m; positive; ignored in kRotationOnly). kNotInitialised, kInvalidArgument (id 0,
+  /// New feature at `pixel` of the present frame, with the inverse depth of the map or of the
+  /// parameters (Parameters::depth_from_map), or with the one given (1/m; positive; ignored in
+  /// kRotationOnly). kNotInitialised, kInvalidArgument (id 0,
   /// inverse depth or sigma not positive), kDuplicate (id in use), kFull, kOutOfView, kDegenerate
   /// (distortion cannot be inverted there), kNonFiniteInput.
   Status add_feature(LandmarkId id, const Vector2<T>& pixel);
@@ -176,6 +177,8 @@ class MonoEkf {
   using Rows2 = mono::SparseRows<T, 2>;
   using Rows3 = mono::SparseRows<T, 3>;
   using Covariance = PackedSymmetric<T, kMaxStates>;
+  /// Matches whose part of P is subtracted in one pass.
+  static constexpr int kPendingPairs = 4;
 
   // Camera block.
   static Layout make_layout(const Parameters& parameters);
@@ -217,6 +220,7 @@ class MonoEkf {
   void rescue(const PixelMatch<T>* matches, int count, bool* rescued) const;
 
   // Features.
+  void expected_inverse_depth(T& inverse_depth, T& sigma) const;
   void append_feature(const Rows3& rows, const Matrix2<T>& noise, T sigma, bool with_depth);
   void point_rows(const Feature& feature, Vector3<T>& p_world, Rows3& rows) const;
   int anchor_for_birth();
@@ -232,6 +236,7 @@ class MonoEkf {
   Layout layout_;
   T x_[kMaxStates] = {};
   Covariance covariance_;
+  T pending_[kPendingPairs][2][kMaxStates] = {};        ///< scratch of an update: V of P - V^T V
   PackedSymmetric<T, kMaxCameraStates> process_noise_;  ///< Q of the last prediction
   Feature features_[MaxFeatures];
   Anchor anchors_[MaxAnchors];

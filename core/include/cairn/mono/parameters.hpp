@@ -30,7 +30,7 @@ struct MonoParameters {
   /// rate noise is the commonest cause of divergence; too large costs a wider search.
   T velocity_noise = T(0.5);
   T rate_noise = T(1);
-  T initial_velocity_sigma_mps = T(0.6);
+  T initial_velocity_sigma_mps = T(2);
   T initial_rate_sigma_radps = T(0.6);
   /// Longest time step of predict().
   T max_step_s = T(1);
@@ -39,7 +39,10 @@ struct MonoParameters {
 
   T initial_inverse_depth = T(1);        ///< 1/m (1/unit of the map: the scale is free)
   T initial_inverse_depth_sigma = T(1);  ///< 1/m
-  T min_inverse_depth = T(1e-3);         ///< an update that would go below is held here
+  /// New features start at the median inverse depth of the features that are known to 30 %, plus
+  /// or minus half of it, once there are eight of these: the scale drifts less.
+  bool depth_from_map = true;
+  T min_inverse_depth = T(1e-3);  ///< an update that would go below is held here
 
   /// kPivot: the camera's position from the rotation centre, camera frame, m, and its deviation.
   Vector3<T> lever_m = Vector3<T>::Zero();
@@ -65,8 +68,9 @@ struct MonoParameters {
   T support_gate = T(kChi2Dof2Level95);  ///< of |z - h|^2 / sigma_px^2, low innovation
   T rescue_gate = T(kChi2Dof2Level99);   ///< of nu' S^-1 nu, high innovation
 
-  /// Inverse depth becomes XYZ below this linearity index; 0 keeps inverse depth for good.
-  T linearity_threshold = T(0.1);
+  /// Inverse depth becomes XYZ below this linearity index (Civera: 0.1); 0 keeps inverse depth for
+  /// good, which is more accurate and takes three states more for every anchor in use.
+  T linearity_threshold = T(0);
   int max_conversions_per_update = 2;
 
   /// kBadConfig unless every value is finite and inside its domain.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 namespace cairn {
 
@@ -80,6 +81,28 @@ class PackedSymmetric {
     }
   }
 
+  /// P -= sum_r v_r v_r^T over Rank vectors; v_r starts at v + r * Stride. One pass over P in tiles
+  /// of 4 x 4, so that a value loaded is used four times. Cost: Rank * n (n + 1) / 2 multiply-adds.
+  template <int Rank, int Stride>
+  void downdate(const T* v) {
+    const int tiled = size_ / 4 * 4;
+    T* p = data_;
+    for (int i = 0; i < tiled; i += 4) {
+      T* const rows[4] = {p, p + (i + 1), p + (2 * i + 3), p + (3 * i + 6)};
+      for (int j = 0; j < i; j += 4) {
+        downdate_tile<Rank, Stride>(v + i, v + j, rows, j, Tile{});
+      }
+      T diagonal[4][4] = {};
+      T* const scratch[4] = {diagonal[0], diagonal[1], diagonal[2], diagonal[3]};
+      downdate_tile<Rank, Stride>(v + i, v + i, scratch, 0, Tile{});
+      for (int k = 0; k < 4; ++k) {
+        for (int l = 0; l <= k; ++l) rows[k][i + l] += diagonal[k][l];
+      }
+      p += 4 * i + 10;
+    }
+    for (int i = tiled; i < size_; ++i) downdate_row<Rank, Stride>(v, i);
+  }
+
   /// Removes rows and columns [first, first + count) by moving the last `count` rows and columns
   /// into their place. The order of the moved block is kept. Domain: the removed block is either
   /// the last one or does not overlap it. Cost: O(n * count).
@@ -124,6 +147,34 @@ class PackedSymmetric {
   }
 
  private:
+  using Tile = std::make_integer_sequence<int, 16>;
+
+  /// rows[k][j + l] -= sum_r a_r[k] b_r[l]. Written out by the pack, so that the sums stay in
+  /// registers: compilers keep an array that a loop indexes in memory.
+  template <int Rank, int Stride, int... K>
+  static void downdate_tile(const T* a, const T* b, T* const (&rows)[4], int j,
+                            std::integer_sequence<int, K...>) {
+    T sums[16] = {(a[K / 4] * b[K % 4])...};
+    for (int r = 1; r < Rank; ++r) {
+      a += Stride;
+      b += Stride;
+      const T a_r[4] = {a[0], a[1], a[2], a[3]};
+      const T b_r[4] = {b[0], b[1], b[2], b[3]};
+      ((sums[K] += a_r[K / 4] * b_r[K % 4]), ...);
+    }
+    ((rows[K / 4][j + K % 4] -= sums[K]), ...);
+  }
+
+  template <int Rank, int Stride>
+  void downdate_row(const T* v, int i) {
+    T* p = row(i);
+    for (int j = 0; j <= i; ++j) {
+      T sum = v[i] * v[j];
+      for (int r = 1; r < Rank; ++r) sum += v[r * Stride + i] * v[r * Stride + j];
+      p[j] -= sum;
+    }
+  }
+
   T data_[kStorage] = {};
   int size_ = 0;
 };

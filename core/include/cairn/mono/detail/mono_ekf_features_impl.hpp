@@ -14,8 +14,40 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::find(LandmarkId id) const {
 
 template <class T, int MaxFeatures, int MaxAnchors>
 Status MonoEkf<T, MaxFeatures, MaxAnchors>::add_feature(LandmarkId id, const Vector2<T>& pixel) {
-  return add_feature(id, pixel, parameters_.initial_inverse_depth,
-                     parameters_.initial_inverse_depth_sigma);
+  T inverse_depth = parameters_.initial_inverse_depth;
+  T sigma = parameters_.initial_inverse_depth_sigma;
+  if (parameters_.depth_from_map) expected_inverse_depth(inverse_depth, sigma);
+  return add_feature(id, pixel, inverse_depth, sigma);
+}
+
+/// Median inverse depth, seen from the present camera, of the features known to 30 %; both values
+/// are left alone where fewer than eight are.
+template <class T, int MaxFeatures, int MaxAnchors>
+void MonoEkf<T, MaxFeatures, MaxAnchors>::expected_inverse_depth(T& inverse_depth, T& sigma) const {
+  constexpr int kEnough = 8;
+  constexpr T kKnown = T(0.09);  // squared relative deviation
+  T sorted[MaxFeatures];
+  int count = 0;
+  for (int slot = 0; slot < feature_count_; ++slot) {
+    const Feature& feature = features_[slot];
+    if (feature.kind == FeatureKind::kDirection) continue;
+    const bool point = feature.kind == FeatureKind::kPoint;
+    const T rho = point ? T(1) : x_[feature.at + 2];
+    const Vector3<T> ray = ray_at(x_, feature, rho);
+    const T squared = ray.dot(ray);
+    T variance = covariance_(feature.at + 2, feature.at + 2);
+    if (point) {
+      for (int i = 0; i < 2; ++i) variance += covariance_(feature.at + i, feature.at + i);
+    }
+    if (!(squared > T(1e-6)) || !(variance < kKnown * (point ? squared : rho * rho))) continue;
+    const T value = rho / sqrt(squared);
+    int at = count++;
+    for (; at > 0 && sorted[at - 1] > value; --at) sorted[at] = sorted[at - 1];
+    sorted[at] = value;
+  }
+  if (count < kEnough) return;
+  inverse_depth = sorted[count / 2];
+  sigma = T(0.5) * inverse_depth;
 }
 
 /// y = (anchor, theta, phi, rho) from the camera state and the pixel, P <- J diag(P, R,

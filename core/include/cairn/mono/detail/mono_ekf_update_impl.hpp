@@ -114,38 +114,58 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::adapt_memory(const PixelMatch<T>* matc
   fade(factor, true);
 }
 
-/// Update with the chosen matches, two rows at a time, all linearised at the same x: equal to the
-/// batch update with H stacked, because the innovation of each is corrected by H dx. Returns the
-/// number used and marks them as inliers; one whose S is not positive definite is left out.
+/// Update with the chosen matches, all linearised at the same x: equal to the batch update with H
+/// stacked. One match after the other, with the innovation corrected by H dx and the gain by the
+/// part of P that is still to be subtracted, which happens for kPendingPairs matches at once.
+/// Returns the number used and marks them as inliers; one whose S is not positive definite is left
+/// out.
 template <class T, int MaxFeatures, int MaxAnchors>
 int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count, const bool* use,
                                                UpdateReport& report) {
   const T variance = square(parameters_.sigma_px);
   const int n = covariance_.size();
   T delta[kMaxStates] = {};
-  T gain[2][kMaxStates];
+  int pairs = 0;
   int used = 0;
   for (int m = 0; m < count; ++m) {
     Vector2<T> pixel;
     Rows2 rows;
     if (!use[m] || !ok(linearise(matches[m].slot, pixel, rows))) continue;
+    T(&gain)[2][kMaxStates] = pending_[pairs];
     mono::multiply(rows, covariance_, gain);
+    for (int k = 0; k < pairs; ++k) mono::subtract_pending(rows, pending_[k], n, gain);
     const T nu0 = matches[m].pixel.x() - pixel.x() - rows.dot(0, delta);
     const T nu1 = matches[m].pixel.y() - pixel.y() - rows.dot(1, delta);
+    const T s00 = rows.dot(0, gain[0]) + variance;
+    const T s10 = rows.dot(1, gain[0]);
+    const T s11 = rows.dot(1, gain[1]) + variance;
     T ia = T(0), ib = T(0), ic = T(0);
-    if (!invert_spd2(rows.dot(0, gain[0]) + variance, rows.dot(1, gain[0]),
-                     rows.dot(1, gain[1]) + variance, ia, ib, ic)) {
+    if (!invert_spd2(s00, s10, s11, ia, ib, ic)) {
       ++health_.innovations_singular;
       continue;
     }
-    const T g0 = ia * nu0 + ib * nu1;
-    const T g1 = ib * nu0 + ic * nu1;
-    for (int i = 0; i < n; ++i) delta[i] += gain[0][i] * g0 + gain[1][i] * g1;
-    covariance_.downdate(gain[0], gain[1], ia, ib, ic);
-    report.nis += static_cast<float>(nu0 * g0 + nu1 * g1);
+    // gain <- L^-1 gain with S = L L^T, so that K nu = gain^T (L^-1 nu).
+    const T l00 = T(1) / sqrt(s00);
+    const T l10 = s10 * l00;
+    const T l11 = T(1) / sqrt(s11 - l10 * l10);
+    const T g0 = nu0 * l00;
+    const T g1 = (nu1 - l10 * g0) * l11;
+    for (int i = 0; i < n; ++i) {
+      gain[0][i] *= l00;
+      gain[1][i] = (gain[1][i] - l10 * gain[0][i]) * l11;
+      delta[i] += gain[0][i] * g0 + gain[1][i] * g1;
+    }
+    report.nis += static_cast<float>(g0 * g0 + g1 * g1);
     report.nis_dof += 2;
     matches[m].inlier = true;
     ++used;
+    if (++pairs == kPendingPairs) {
+      covariance_.template downdate<2 * kPendingPairs, kMaxStates>(pending_[0][0]);
+      pairs = 0;
+    }
+  }
+  for (int k = 0; k < pairs; ++k) {
+    covariance_.template downdate<2, kMaxStates>(pending_[k][0]);
   }
   if (used > 0) correct_state(delta);
   return used;

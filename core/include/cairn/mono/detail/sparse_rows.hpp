@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "cairn/geometry/types.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
 
@@ -48,61 +50,97 @@ struct SparseRows {
 
 namespace detail {
 
-/// out[i] += sum_c h[c] P(i, first + c) for the rows i below the run, whose elements are
-/// contiguous.
-template <int Size, class T, int N>
-void add_rows_below(const PackedSymmetric<T, N>& p, int first, const T* h, T* out) {
-  for (int i = first + Size; i < p.size(); ++i) {
-    const T* r = p.row(i) + first;
-    T sum = out[i];
-    for (int c = 0; c < Size; ++c) sum += h[c] * r[c];
-    out[i] = sum;
-  }
+/// sum_c h[c] * element(c), written out by the pack, so that h stays in registers.
+template <class T, int Size, class Element, int... C>
+T dot(const T (&h)[Size], const Element& element, T sum, std::integer_sequence<int, C...>) {
+  ((sum += h[C] * element(C)), ...);
+  return sum;
 }
 
-template <class T, int N>
-void add_rows_below(const PackedSymmetric<T, N>& p, int first, int size, const T* h, T* out) {
-  switch (size) {
-    case 1:
-      return add_rows_below<1>(p, first, h, out);
-    case 2:
-      return add_rows_below<2>(p, first, h, out);
-    case 3:
-      return add_rows_below<3>(p, first, h, out);
-    case 4:
-      return add_rows_below<4>(p, first, h, out);
-    case 7:
-      return add_rows_below<7>(p, first, h, out);
-    default:
-      for (int i = first + size; i < p.size(); ++i) {
-        const T* r = p.row(i) + first;
-        for (int c = 0; c < size; ++c) out[i] += h[c] * r[c];
-      }
+/// out[r][i] += sum_c h[r][c] * element(c).
+template <int Size, int Rows, class T, int N, class Element>
+void accumulate(const T (&h)[Rows][Size], int i, const Element& element, T (&out)[Rows][N]) {
+  constexpr auto kColumns = std::make_integer_sequence<int, Size>{};
+  for (int r = 0; r < Rows; ++r) out[r][i] = dot(h[r], element, out[r][i], kColumns);
+}
+
+/// out[r][i] += sum_c H(r, k + c) P(first + c, i) for the columns of one run.
+template <int Size, class T, int Rows, int N>
+void multiply_run(const SparseRows<T, Rows>& rows, int first, int k, const PackedSymmetric<T, N>& p,
+                  T (&out)[Rows][N]) {
+  T h[Rows][Size];
+  for (int r = 0; r < Rows; ++r) {
+    for (int c = 0; c < Size; ++c) h[r][c] = rows.h[r][k + c];
+  }
+  const T* above = p.row(first);
+  for (int i = 0; i < first; ++i) {
+    // Row first + c begins first * c + c (c + 1) / 2 elements after row first.
+    accumulate(
+        h, i, [&](int c) { return above[i + c * first + c * (c + 1) / 2]; }, out);
+  }
+  for (int i = first; i < first + Size; ++i) {
+    accumulate(
+        h, i, [&](int c) { return p(first + c, i); }, out);
+  }
+  if (first + Size >= p.size()) return;
+  const T* below = p.row(first + Size) + first;
+  for (int i = first + Size; i < p.size(); ++i) {
+    accumulate(
+        h, i, [&](int c) { return below[c]; }, out);
+    below += i + 1;
   }
 }
 
 }  // namespace detail
 
-/// out[r][i] = sum_j H(r, j) P(j, i). Cost: Rows * columns * n multiply-adds.
+/// out[r][i] = sum_j H(r, j) P(j, i). Domain: runs of 1 to 4, 7 or 8 columns. Cost: Rows * columns
+/// * n multiply-adds.
 template <class T, int Rows, int N>
 void multiply(const SparseRows<T, Rows>& rows, const PackedSymmetric<T, N>& p, T (&out)[Rows][N]) {
   const int n = p.size();
   for (int r = 0; r < Rows; ++r) {
     for (int i = 0; i < n; ++i) out[r][i] = T(0);
-    int k = 0;
-    for (int run = 0; run < rows.run_count; ++run) {
-      const int first = rows.first[run];
-      const int size = rows.size[run];
-      const T* h = rows.h[r] + k;
-      for (int c = 0; c < size; ++c) {
-        const T* above = p.row(first + c);
-        const T f = h[c];
-        for (int i = 0; i <= first + c; ++i) out[r][i] += f * above[i];
-        for (int i = first + c + 1; i < first + size; ++i) out[r][i] += f * p.row(i)[first + c];
-      }
-      detail::add_rows_below(p, first, size, h, out[r]);
-      k += size;
+  }
+  int k = 0;
+  for (int run = 0; run < rows.run_count; ++run) {
+    const int first = rows.first[run];
+    switch (rows.size[run]) {
+      case 1:
+        detail::multiply_run<1>(rows, first, k, p, out);
+        break;
+      case 2:
+        detail::multiply_run<2>(rows, first, k, p, out);
+        break;
+      case 3:
+        detail::multiply_run<3>(rows, first, k, p, out);
+        break;
+      case 4:
+        detail::multiply_run<4>(rows, first, k, p, out);
+        break;
+      case 5:
+        detail::multiply_run<5>(rows, first, k, p, out);
+        break;
+      case 7:
+        detail::multiply_run<7>(rows, first, k, p, out);
+        break;
+      default:
+        detail::multiply_run<8>(rows, first, k, p, out);
+        break;
     }
+    k += rows.size[run];
+  }
+}
+
+/// out -= (H V^T) V for two rows V of a product V^T V that P still lacks. Cost: 4 n multiply-adds.
+template <class T, int N>
+void subtract_pending(const SparseRows<T, 2>& rows, const T (&v)[2][N], int n, T (&out)[2][N]) {
+  const T c00 = rows.dot(0, v[0]);
+  const T c01 = rows.dot(0, v[1]);
+  const T c10 = rows.dot(1, v[0]);
+  const T c11 = rows.dot(1, v[1]);
+  for (int i = 0; i < n; ++i) {
+    out[0][i] -= c00 * v[0][i] + c01 * v[1][i];
+    out[1][i] -= c10 * v[0][i] + c11 * v[1][i];
   }
 }
 
