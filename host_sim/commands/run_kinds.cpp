@@ -1,5 +1,6 @@
 #include "host_sim/commands/run_kinds.hpp"
 
+#include "host_sim/mono/starry_night.hpp"
 #include "host_sim/planar/recorded/recorded_kinds.hpp"
 #include "host_sim/run/video_run.hpp"
 
@@ -17,6 +18,7 @@ const std::vector<RunKind>& run_kinds() {
       {"lost-in-the-woods", "DIR", run_lost_in_the_woods},
       {"mrclam", "DIR:ROBOT", run_mrclam},
       {"victoria-park", "DIR", run_victoria_park},
+      {"starry-night", "DIR", run_starry_night},
   };
   return kinds;
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/mono/rendered_turntable.hpp"
 #include "host_sim/mono/turntable_files.hpp"
 #include "host_sim/run/build_info.hpp"
 
@@ -22,7 +24,9 @@ struct TurntableOptions {
   std::vector<std::string> fading = {"1.000", "1.003", "1.006",   "1.009",
                                      "1.015", "1.030", "adaptive"};
   std::uint64_t seed = 1;
-  int seeds = 20;
+  int seeds = 0;  ///< 0: one of the video, 20 of the points
+  bool points = false;
+  Measurement measurement = Measurement::kPatch;
   bool pictures = true;
   std::filesystem::path out;
 };
@@ -35,7 +39,7 @@ TurntableConfig make_config(const TurntableOptions& options) {
                     options.experiment));
   }
   config.seed = options.seed;
-  config.seeds = options.seeds;
+  config.seeds = options.seeds > 0 ? options.seeds : (options.points ? 20 : 1);
   config.adaptive = false;
   config.fading.clear();
   for (const std::string& item : options.fading) {
@@ -59,11 +63,14 @@ void run(const TurntableOptions& options, const std::string& command_line) {
   const TurntableConfig config = make_config(options);
   std::filesystem::create_directories(options.out);
   const bool terminal = isatty(STDERR_FILENO) != 0;
-  const std::vector<TurntableCell> cells = run_turntable(config, [terminal](int done, int total) {
+  const auto progress = [terminal](int done, int total) {
     if (!terminal) return;
     fmt::print(stderr, "\rrun {} of {} ({:.0f} %)", done, total, 100.0 * done / total);
     std::fflush(stderr);
-  });
+  };
+  const std::vector<TurntableCell> cells =
+      options.points ? run_turntable(config, progress)
+                     : run_rendered_turntable(config, options.measurement, progress);
   if (terminal) fmt::print(stderr, "\r{:40}\r", "");
   const BuildInfo build = build_info();
   const nlohmann::json manifest = {
@@ -83,7 +90,7 @@ void run(const TurntableOptions& options, const std::string& command_line) {
 void register_turntable_command(CommandContext& context) {
   auto options = std::make_shared<TurntableOptions>();
   CLI::App* command = context.app.add_subcommand(
-      "turntable", "Paper B's turntable experiments by point simulation, its filter beside ours");
+      "turntable", "Paper B's turntable experiments, its filter beside ours");
   command
       ->add_option("--experiment", options->experiment, "yaw10, two-axis20, yaw70, static, swing")
       ->required();
@@ -92,7 +99,15 @@ void register_turntable_command(CommandContext& context) {
                    "Fading factors and 'adaptive', separated by commas")
       ->delimiter(',');
   command->add_option("--seed", options->seed, "First seed");
-  command->add_option("--seeds", options->seeds, "Number of seeds")->check(CLI::Range(1, 10000));
+  command->add_option("--seeds", options->seeds, "Number of seeds (default 1, with --points 20)")
+      ->check(CLI::Range(1, 10000));
+  command->add_flag("--points", options->points, "Simulate points alone instead of rendered video");
+  const std::map<std::string, Measurement> measurements = {{"patch", Measurement::kPatch},
+                                                           {"freak", Measurement::kFreak}};
+  command
+      ->add_option("--measurement", options->measurement,
+                   "How features are found in the video: patch or freak")
+      ->transform(CLI::CheckedTransformer(measurements, CLI::ignore_case));
   command->add_flag("!--no-pictures", options->pictures, "Leave the pictures out");
   command->add_option("--out", options->out, "Folder of the results")->required();
   command->callback([options, &context] {

@@ -5,7 +5,7 @@
 namespace cairn::host {
 
 /// `cairn_sim turntable --experiment yaw10|two-axis20|yaw70 --out DIR ...`: paper B's turntable
-/// experiments by point simulation, the paper's filter beside ours.
+/// experiments as rendered video or by point simulation, the paper's filter beside ours.
 void register_turntable_command(CommandContext& context);
 
 }  // namespace cairn::host

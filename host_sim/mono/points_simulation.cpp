@@ -11,13 +11,13 @@
 #include "cairn/mono/mono_ekf.hpp"
 
 #include "host_sim/mono/points_world.hpp"
+#include "host_sim/mono/turntable_score.hpp"
 
 namespace cairn::host {
 namespace {
 
 constexpr int kMaxFeatures = 40;
 constexpr int kMaxAnchors = 10;
-constexpr double kLostDeg = 20.0;
 
 /// Filter, world and truth of one run.
 template <class Filter>
@@ -31,13 +31,7 @@ class PointsRun {
         poses_(turntable_poses(scenario.motion)),
         filter_(std::make_unique<Filter>()),
         random_(scenario.seed * 77U + 5U) {
-    PinholeCamera<T> camera;
-    camera.fx = camera.fy = static_cast<T>(scenario.focal_px * (1.0 + scenario.focal_error));
-    camera.cx = static_cast<T>(0.5 * (scenario.width - 1) + scenario.principal_error_px);
-    camera.cy = static_cast<T>(0.5 * (scenario.height - 1));
-    camera.width = scenario.width;
-    camera.height = scenario.height;
-    if (!ok(filter_->initialise(camera, parameters))) {
+    if (!ok(filter_->initialise(believed_camera<T>(scenario), parameters))) {
       throw std::invalid_argument("points simulation: impossible filter parameters");
     }
   }
@@ -54,10 +48,10 @@ class PointsRun {
       }
       timed([&] { (void)filter_->prune(FeaturePolicy{}, 1); });
       add_features(poses_[k]);
-      compare(poses_[k], frame);
+      compare_with_truth(*filter_, poses_.front(), poses_[k], frame, result_);
       result_.frames.push_back(frame);
     }
-    summarise();
+    summarise_run(*filter_, scenario_.focal_px, used_, result_);
     return result_;
   }
 
@@ -168,58 +162,6 @@ class PointsRun {
         break;
       }
     }
-  }
-
-  void compare(const TurntablePose& pose, PointsFrame& frame) {
-    const TurntablePose& first = poses_.front();
-    const Rigid<T> estimate = filter_->T_world_camera();
-    const Eigen::Matrix3d relative = estimate.rotation.toRotationMatrix().template cast<double>();
-    const Eigen::Matrix3d rotation = first.rotation * relative;
-    frame.true_yaw_deg = pose.yaw_deg;
-    frame.yaw_error_deg = std::remainder(yaw_deg(rotation) - yaw_deg(pose.rotation), 360.0);
-    frame.pitch_error_deg = pitch_deg(rotation) - pitch_deg(pose.rotation);
-    const Eigen::AngleAxisd error(rotation.transpose() * pose.rotation);
-    frame.attitude_error_deg = rotation_angle_deg(error.toRotationMatrix());
-    const Eigen::Matrix3d covariance =
-        filter_->pose_covariance().template cast<double>().template bottomRightCorner<3, 3>();
-    const Eigen::Vector3d phi = error.angle() * error.axis();
-    frame.attitude_nees =
-        phi.dot((covariance + 1e-16 * Eigen::Matrix3d::Identity()).inverse() * phi);
-    frame.features = filter_->feature_count();
-    frame.fading_factor = static_cast<double>(filter_->last_fading_factor());
-    result_.mean_features += frame.features;
-    result_.lost = !std::isfinite(frame.attitude_error_deg) || frame.attitude_error_deg > kLostDeg;
-
-    const Eigen::Vector3d moved = estimate.translation.template cast<double>();
-    const Eigen::Vector3d truth = first.rotation.transpose() * (pose.position - first.position);
-    result_.final_distance_m = moved.norm();
-    if (truth.norm() > 0.01) result_.displacement_ratio = moved.dot(truth) / truth.squaredNorm();
-  }
-
-  void summarise() {
-    PointsResult& r = result_;
-    const auto n = static_cast<double>(r.frames.size());
-    double nis = 0.0;
-    double dof = 0.0;
-    for (const PointsFrame& f : r.frames) {
-      const double yaw = std::abs(f.yaw_error_deg);
-      r.max_yaw_error_deg = std::max(r.max_yaw_error_deg, yaw);
-      r.mean_yaw_error_deg += yaw / n;
-      r.mse_yaw_error_deg2 += yaw * yaw / n;
-      r.mean_pitch_error_deg += std::abs(f.pitch_error_deg) / n;
-      r.mean_attitude_error_deg += f.attitude_error_deg / n;
-      r.max_attitude_error_deg = std::max(r.max_attitude_error_deg, f.attitude_error_deg);
-      r.mean_nees += (&f == r.frames.data() ? 0.0 : f.attitude_nees) / n;
-      nis += f.nis;
-      dof += f.nis_dof;
-    }
-    r.final_yaw_error_deg = r.frames.back().yaw_error_deg;
-    r.mean_nis = dof > 0.0 ? nis / dof : 0.0;
-    r.focal_factor = static_cast<double>(filter_->camera().fx) / scenario_.focal_px;
-    r.mean_hypotheses /= n;
-    r.mean_features /= n;
-    r.mean_filter_us /= n;
-    r.wrong_inliers /= std::max(1, used_);
   }
 
   PointsScenario scenario_;

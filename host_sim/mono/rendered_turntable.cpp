@@ -1,0 +1,259 @@
+#include "host_sim/mono/rendered_turntable.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+#include <tuple>
+
+#include <opencv2/core.hpp>
+
+#include "cairn/mono/mono_bank.hpp"
+#include "cairn/mono/mono_ekf.hpp"
+#include "cairn/mono/patch_search.hpp"
+#include "cairn/tracking/active_search.hpp"
+#include "cairn/tracking/feature_supply.hpp"
+
+#include "host_sim/mono/turntable_room.hpp"
+#include "host_sim/mono/turntable_score.hpp"
+#include "host_sim/world/gaussian.hpp"
+
+namespace cairn::host {
+namespace {
+
+constexpr int kMaxFeatures = 40;
+constexpr int kMaxAnchors = 10;
+constexpr double kUsualOutlierShare = 0.05;
+constexpr int kPatchMargin = 14;  // px; FREAK needs more
+
+/// One filter on one video.
+template <class Filter>
+class VideoRun {
+ public:
+  VideoRun(const PointsScenario& scenario, const MonoParameters<float>& parameters,
+           Measurement measurement)
+      : scenario_(scenario),
+        measurement_(measurement),
+        filter_(std::make_unique<Filter>()),
+        random_(scenario.seed * 77U + 5U),
+        outliers_(scenario.seed) {
+    if (!ok(filter_->initialise(believed_camera<float>(scenario), parameters))) {
+      throw std::invalid_argument("rendered turntable: impossible filter parameters");
+    }
+    if (measurement == Measurement::kPatch) supply_parameters_.margin_px = kPatchMargin;
+  }
+
+  PointsResult run(const std::vector<cv::Mat>& video, const std::vector<TurntablePose>& poses) {
+    for (std::size_t k = 0; k < video.size() && !result_.lost; ++k) {
+      const ImageView image{video[k].data, video[k].cols, video[k].rows,
+                            static_cast<int>(video[k].step)};
+      PointsFrame frame;
+      frame.t_s = static_cast<double>(k) / scenario_.motion.fps;
+      if (k > 0) {
+        timed([&] { (void)filter_->predict(static_cast<float>(1.0 / scenario_.motion.fps)); });
+        search(image);
+        timed([&] { update(frame); });
+      }
+      timed([&] { (void)filter_->prune(FeaturePolicy{}, 1); });
+      add_features(image);
+      compare_with_truth(*filter_, poses.front(), poses[k], frame, result_);
+      result_.frames.push_back(frame);
+    }
+    summarise_run(*filter_, scenario_.focal_px, used_, result_);
+    return result_;
+  }
+
+ private:
+  template <class Work>
+  void timed(Work&& work) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    const auto end = std::chrono::steady_clock::now();
+    result_.mean_filter_us += std::chrono::duration<double, std::micro>(end - begin).count();
+  }
+
+  void search(const ImageView& image) {
+    matches_.clear();
+    for (int slot = 0; slot < filter_->feature_count(); ++slot) {
+      PixelPrediction<float> prediction;
+      if (!ok(filter_->predict_feature(slot, prediction))) continue;
+      PixelMatch<float> match;
+      match.id = prediction.id;
+      match.slot = slot;
+      if (!found(image, prediction, match.pixel)) continue;
+      if (scenario_.outlier_share > kUsualOutlierShare &&
+          outliers_.uniform() < scenario_.outlier_share) {
+        for (int i = 0; i < 2; ++i) {
+          const double reach = 2.45 * std::sqrt(static_cast<double>(prediction.covariance(i, i)));
+          match.pixel(i) =
+              prediction.pixel(i) + static_cast<float>(outliers_.uniform(-reach, reach));
+        }
+      }
+      matches_.push_back(match);
+    }
+  }
+
+  bool found(const ImageView& image, const PixelPrediction<float>& prediction,
+             Vector2<float>& pixel) {
+    const Appearance& appearance = appearances_.at(prediction.id);
+    Matrix2<float> warp;
+    if (!ok(predict_warp(filter_->camera(), appearance.T_world_reference, filter_->T_world_camera(),
+                         prediction.p_camera, warp))) {
+      return false;
+    }
+    if (measurement_ == Measurement::kPatch) {
+      PatchWarp patch_warp;
+      return to_patch_warp(warp, patch_warp) &&
+             ok(search_patch(image, prediction, appearance.patch, patch_warp, {}, pixel));
+    }
+    SearchReport report;
+    return ok(
+        search_landmark(image, prediction, appearance, warp, {}, search_scratch_, pixel, report));
+  }
+
+  void update(PointsFrame& frame) {
+    UpdateReport report;
+    const Status status =
+        filter_->update(matches_.data(), static_cast<int>(matches_.size()), random_, report);
+    if (!ok(status)) ++result_.no_consensus;
+    result_.mean_hypotheses += report.hypotheses;
+    frame.inliers = report.low_innovation + report.high_innovation;
+    frame.nis = static_cast<double>(report.nis);
+    frame.nis_dof = report.nis_dof;
+    used_ += frame.inliers;
+    measured_ = frame.inliers;
+  }
+
+  void add_features(const ImageView& image) {
+    supply_.begin(image.width, image.height);
+    for (int slot = 0; slot < filter_->feature_count(); ++slot) {
+      PixelPrediction<float> prediction;
+      if (ok(filter_->predict_feature(slot, prediction))) {
+        supply_.occupy(prediction.pixel.x(), prediction.pixel.y());
+      }
+    }
+    const int wanted = scenario_.wanted_features - measured_;
+    if (wanted <= 0) return;
+    Corner corners[Supply::kCells];
+    Supply::Report report;
+    const int found =
+        supply_.find(image, supply_parameters_, wanted, supply_scratch_, corners, report);
+    for (int i = 0; i < found; ++i) {
+      Appearance appearance;
+      if (!take(image, corners[i], appearance)) continue;
+      const Vector2<float> pixel(static_cast<float>(corners[i].x),
+                                 static_cast<float>(corners[i].y));
+      if (ok(filter_->add_feature(next_id_, pixel))) appearances_[next_id_++] = appearance;
+    }
+  }
+
+  bool take(const ImageView& image, const Corner& corner, Appearance& appearance) {
+    if (measurement_ == Measurement::kFreak) {
+      return ok(make_appearance(image, corner.x, corner.y, filter_->T_world_camera(), appearance));
+    }
+    appearance.T_world_reference = filter_->T_world_camera();
+    return ok(extract_patch(image, corner.x * 256, corner.y * 256, appearance.patch));
+  }
+
+  using Supply = FeatureSupply<640>;
+
+  PointsScenario scenario_;
+  Measurement measurement_;
+  std::unique_ptr<Filter> filter_;
+  Random random_;
+  GaussianRandom outliers_;
+  std::map<LandmarkId, Appearance> appearances_;
+  LandmarkId next_id_ = 1;
+  std::vector<PixelMatch<float>> matches_;
+  Supply supply_;
+  Supply::Parameters supply_parameters_;
+  Supply::Scratch supply_scratch_;
+  SearchScratch search_scratch_;
+  int measured_ = 0;
+  int used_ = 0;
+  PointsResult result_;
+};
+
+struct Video {
+  std::vector<TurntablePose> poses;
+  std::vector<cv::Mat> images;
+};
+
+/// What a scenario's images depend on.
+struct VideoKey {
+  bool lever;
+  bool noisy;
+  std::uint64_t seed;
+  bool operator<(const VideoKey& other) const {
+    return std::tie(lever, noisy, seed) < std::tie(other.lever, other.noisy, other.seed);
+  }
+};
+
+struct Job {
+  std::size_t cell = 0;
+  std::size_t run = 0;
+  PointsScenario scenario;
+  TurntableVariant variant;
+
+  VideoKey key() const {
+    return {scenario.motion.lever_m.norm() > 0.0, scenario.noise_px > 0.75, scenario.seed};
+  }
+  PointsResult result(const Video& video, Measurement measurement) const {
+    if (variant.bank) {
+      return VideoRun<MonoBank<float, kMaxFeatures, kMaxAnchors>>(scenario, variant.parameters,
+                                                                  measurement)
+          .run(video.images, video.poses);
+    }
+    return VideoRun<MonoEkf<float, kMaxFeatures, kMaxAnchors>>(scenario, variant.parameters,
+                                                               measurement)
+        .run(video.images, video.poses);
+  }
+};
+
+}  // namespace
+
+std::vector<TurntableCell> run_rendered_turntable(const TurntableConfig& config,
+                                                  Measurement measurement,
+                                                  const std::function<void(int, int)>& progress) {
+  std::vector<TurntableCell> cells;
+  std::map<VideoKey, std::vector<Job>> jobs;
+  int total = 0;
+  for (const TurntableCondition& condition : turntable_conditions(config.experiment)) {
+    for (const TurntableVariant& variant : turntable_variants(config, condition)) {
+      TurntableCell cell{condition.name, variant.name, {}};
+      cell.runs.resize(static_cast<std::size_t>(config.seeds));
+      for (std::size_t run = 0; run < cell.runs.size(); ++run) {
+        Job job{cells.size(), run, condition.scenario, variant};
+        job.scenario.seed = config.seed + run;
+        jobs[job.key()].push_back(job);
+        ++total;
+      }
+      cells.push_back(cell);
+    }
+  }
+  int done = 0;
+  for (const auto& [key, group] : jobs) {
+    Video video;
+    video.poses = turntable_poses(group.front().scenario.motion);
+    video.images = render_turntable(group.front().scenario, key.noisy ? 6.0 : 2.0);
+    std::atomic<std::size_t> next{0};
+    std::mutex mutex;
+    const auto work = [&, &list = group] {
+      for (std::size_t i = next++; i < list.size(); i = next++) {
+        cells[list[i].cell].runs[list[i].run] = list[i].result(video, measurement);
+        const std::lock_guard<std::mutex> lock(mutex);
+        progress(++done, total);
+      }
+    };
+    std::thread second(work);
+    work();
+    second.join();
+  }
+  return cells;
+}
+
+}  // namespace cairn::host
