@@ -48,23 +48,26 @@ class RoomBuilder {
     const int gains[4] = {256, 240, 250, 232};
     for (int wall = 0; wall < 4; ++wall) {
       const Point right = corners[(wall + 1) % 4] - corners[wall];
-      const double length = right.norm();
-      const double shift = 0.1 * wall;
-      const std::vector<WallPicture> pictures = {{0.4 + shift, 0.5, 0.9, 0.7},
-                                                 {1.6 + shift, 0.7, 1.0, 1.2},
-                                                 {3.0 + shift, 0.4, 0.8, 0.9},
-                                                 {4.2 + shift, 0.9, 1.0, 0.8}};
-      add(corners[wall], right, {0.0, 2.0 * kHalfY, 0.0},
-          paint_wall(length, 2.0 * kHalfY, kPxPerM, wall, pictures, random_), gains[wall]);
+      add_panels(corners[wall], right, {0.0, 2.0 * kHalfY, 0.0}, gains[wall]);
+    }
+  }
+
+  /// A surface of four by two painted panels.
+  void add_panels(const Point& left_top, const Point& right, const Point& down, int gain) {
+    const Point across = right / 4.0;
+    const Point below = down / 2.0;
+    for (int i = 0; i < 8; ++i) {
+      add(left_top + (i % 4) * across + (i / 4) * below, across, below,
+          paint_poster(static_cast<int>(across.norm() * kPxPerM),
+                       static_cast<int>(below.norm() * kPxPerM), random_),
+          gain);
     }
   }
 
   void add_floor_and_ceiling() {
-    const int side = static_cast<int>(2.0 * kHalfX * 120.0);
-    add({-kHalfX, kHalfY, kHalfZ}, {2.0 * kHalfX, 0.0, 0.0}, {0.0, 0.0, -2.0 * kHalfZ},
-        paint_floor(side, 120.0, random_), 236);
-    add({-kHalfX, -kHalfY, -kHalfZ}, {2.0 * kHalfX, 0.0, 0.0}, {0.0, 0.0, 2.0 * kHalfZ},
-        paint_ceiling(side, 120.0, random_), 256);
+    add_panels({-kHalfX, kHalfY, kHalfZ}, {2.0 * kHalfX, 0.0, 0.0}, {0.0, 0.0, -2.0 * kHalfZ}, 236);
+    add_panels({-kHalfX, -kHalfY, -kHalfZ}, {2.0 * kHalfX, 0.0, 0.0}, {0.0, 0.0, 2.0 * kHalfZ},
+               256);
   }
 
   void add_box(double azimuth, double distance, const Point& half, double y) {
