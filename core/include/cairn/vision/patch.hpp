@@ -67,9 +67,9 @@ class PatchTemplate {
   std::int16_t value_[kSide * kPitch];
   std::int16_t gradient_x_[kSide * kPitch];
   std::int16_t gradient_y_[kSide * kPitch];
-  std::uint16_t covered_[kSide]; // a bit per column
-  std::int32_t count_ = 0;             // of covered pixels; 0: not usable
-  std::int32_t value_sum_ = 0;         // what rounding left of the mean
+  std::uint16_t covered_[kSide];  // a bit per column
+  std::int32_t count_ = 0;        // of covered pixels; 0: not usable
+  std::int32_t value_sum_ = 0;    // what rounding left of the mean
   std::uint32_t energy_root_ = 0;
   std::int64_t energy_ = 0;  // sum of squared values, Q14
   // energy * inverse of the gradients' Gram matrix, Q12
