@@ -137,6 +137,8 @@ class PlanarFilter {
   void widen_refused_landmarks();
   void use(int first, int count, UpdateReport& report, bool deviates = false);
   void move_to_hypothesis(int candidate);
+  bool look_again(const CameraView<T>& view, const PixelMatch<T>* matches, Pair& pair,
+                  RelativeCovariance<T>& covariance) const;
   int relinearise(CameraView<T>& view, const PixelMatch<T>* matches, int count);
   bool whiten(const Pair& pair, int rank, T& nis);
   void columns(const Pair& pair, T* g0, T* g1);

@@ -357,7 +357,10 @@ void CAIRN_PLANAR_FILTER::widen_refused_landmarks() {
 /// same result as one batch update, without its big matrices.
 CAIRN_PLANAR_TEMPLATE
 void CAIRN_PLANAR_FILTER::use(int first, int count, UpdateReport& report, bool deviates) {
-  if (count <= 0) return;
+  if (count <= 0) {
+    if (deviates) derived().correct(d_);  // back to the prior
+    return;
+  }
   const int n = P_.size();
   for (int i = 0; i < n && !deviates; ++i) d_[i] = T(0);
   derived().begin_update();

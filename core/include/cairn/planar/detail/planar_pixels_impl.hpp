@@ -122,9 +122,9 @@ int CAIRN_PLANAR_FILTER::hypothesis(const CameraView<T>& view, const PixelMatch<
   return support;
 }
 
-/// Corrects the mean by one candidate alone, to linearise there: at the predicted pose the error of
-/// the odometry is in the rows as well as in the innovations, and what correlates with itself looks
-/// like information about the scale. The correction is kept in d_ as the prior's own deviation.
+/// Corrects the mean by one candidate alone, to linearise there: the curvature of a pixel in the
+/// heading is a radial pattern, which looks like motion ahead. The correction is kept in d_ as the
+/// prior's own deviation.
 CAIRN_PLANAR_TEMPLATE
 void CAIRN_PLANAR_FILTER::move_to_hypothesis(int candidate) {
   const int n = P_.size();
@@ -135,28 +135,39 @@ void CAIRN_PLANAR_FILTER::move_to_hypothesis(int candidate) {
   for (int i = 0; i < n; ++i) d_[i] = -d_[i];
 }
 
-/// Linearises pairs_[0 .. count) at the mean as it is now; the number left.
+/// Linearises the landmark of a pair at the mean as it is now; false, pair unusable, where it has
+/// no pixel.
+CAIRN_PLANAR_TEMPLATE
+bool CAIRN_PLANAR_FILTER::look_again(const CameraView<T>& view, const PixelMatch<T>* matches,
+                                     Pair& pair, RelativeCovariance<T>& covariance) const {
+  T relative[3];
+  derived().relative(pair.slot, relative);
+  derived().relative_covariance(pair.slot, covariance);
+  Vector3<T> p_camera;
+  if (!linearise(view, relative, covariance, pair, p_camera)) return false;
+  const Vector2<T>& measured = matches[pair.source].pixel;
+  pair.innovation[0] += measured.x();
+  pair.innovation[1] += measured.y();
+  return true;
+}
+
+/// Linearises pairs_[0 .. count) at the mean as it is now. Those that have no pixel there go to the
+/// end; the number of the others.
 CAIRN_PLANAR_TEMPLATE
 int CAIRN_PLANAR_FILTER::relinearise(CameraView<T>& view, const PixelMatch<T>* matches, int count) {
   view.frame = derived().frame();
-  int kept = 0;
-  for (int k = 0; k < count; ++k) {
-    const int slot = pairs_[k].slot;
-    const int source = pairs_[k].source;
-    Pair& pair = pairs_[kept];
-    T relative[3];
+  int k = 0;
+  while (k < count) {
     RelativeCovariance<T> covariance;
-    derived().relative(slot, relative);
-    derived().relative_covariance(slot, covariance);
-    Vector3<T> p_camera;
-    pair.slot = slot;
-    pair.source = source;
-    if (!linearise(view, relative, covariance, pair, p_camera)) continue;
-    pair.innovation[0] += matches[source].pixel.x();
-    pair.innovation[1] += matches[source].pixel.y();
-    ++kept;
+    if (look_again(view, matches, pairs_[k], covariance)) {
+      ++k;
+      continue;
+    }
+    const Pair lost = pairs_[k];
+    pairs_[k] = pairs_[--count];
+    pairs_[count] = lost;
   }
-  return kept;
+  return count;
 }
 
 /// Looks at pairs_[first .. count) again from the corrected state and keeps, from `first` on, those
@@ -167,22 +178,14 @@ int CAIRN_PLANAR_FILTER::rescue(CameraView<T>& view, const PixelMatch<T>* matche
   view.frame = derived().frame();
   int kept = 0;
   for (int k = first; k < count; ++k) {
-    const int slot = pairs_[k].slot;
-    const int source = pairs_[k].source;
     Pair& pair = pairs_[first + kept];
-    T relative[3];
+    pair.slot = pairs_[k].slot;
+    pair.source = pairs_[k].source;
     RelativeCovariance<T> covariance;
-    derived().relative(slot, relative);
-    derived().relative_covariance(slot, covariance);
-    Vector3<T> p_camera;
-    pair.slot = slot;
-    pair.source = source;
-    if (!linearise(view, relative, covariance, pair, p_camera)) {
-      refuse(slot, report);
+    if (!look_again(view, matches, pair, covariance)) {
+      refuse(pair.slot, report);
       continue;
     }
-    pair.innovation[0] += matches[source].pixel.x();
-    pair.innovation[1] += matches[source].pixel.y();
     if (admit(pair, covariance, parameters_.rescue_gate, report)) ++kept;
   }
   return kept;
