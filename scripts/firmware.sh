@@ -8,19 +8,20 @@
 #   --growth         also how a frame's cost grows with its capacities, on the M7
 #   --all            also the host with g++ and clang++ at -O0, -O2 and -O3, and the unit tests on
 #                    every target (long)
-#   --targets LIST   these presets alone, comma-separated; renews no page of the reference
+#   --targets LIST   these presets alone, comma-separated; what was measured of the others stays
 #
-# Leaves build/firmware/summary.json and renews docs/reference/footprint.md, targets.md, timing.md.
+# Leaves build/firmware/summary.json and, once every target has been measured, renews
+# docs/reference/footprint.md, targets.md and, with --timing, timing.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 boards=(cortex-m7 cortex-m4f cortex-m33 cortex-m55 cortex-m7-clang)
 linux=(aarch64-linux armhf-linux riscv64-linux)
-targets=("${boards[@]}" "${linux[@]}")
+hosts=(host-gcc-O0 host-gcc-O2 host-gcc-O3 host-clang-O0 host-clang-O2 host-clang-O3)
+targets=()
 all=no
 timing=no
 growth=no
-pages=(--write-pages)
 while [ $# -gt 0 ]; do
   case $1 in
     --timing) timing=yes ;;
@@ -28,13 +29,14 @@ while [ $# -gt 0 ]; do
     --all) all=yes ;;
     --targets)
       [ $# -ge 2 ] || { echo "firmware: --targets needs a list" >&2; exit 2; }
-      IFS=, read -ra targets <<<"$2"; pages=(); shift ;;
-    *) sed -n '2,15p' "$0" >&2; exit 2 ;;
+      IFS=, read -ra targets <<<"$2"; shift ;;
+    *) sed -n '2,16p' "$0" >&2; exit 2 ;;
   esac
   shift
 done
-if [ $all = yes ]; then
-  targets+=(host-gcc-O0 host-gcc-O2 host-gcc-O3 host-clang-O0 host-clang-O2 host-clang-O3)
+if [ ${#targets[@]} -eq 0 ]; then
+  targets=("${boards[@]}" "${linux[@]}")
+  [ $all = no ] || targets+=("${hosts[@]}")
 fi
 
 scripts/setup.sh clang qemu-user googletest \
@@ -43,31 +45,38 @@ scripts/setup.sh clang qemu-user googletest \
 programs=(port_selftest exercise footprint replay_vehicle replay_handheld replay_vehicle_tiny
   replay_handheld_tiny)
 large=(replay_vehicle_large replay_handheld_large)
+report=(python3 tests/footprint/firmware_report.py)
+
+build() {
+  cmake --preset "$1" -DCAIRN_ALL_UNIT_TESTS="$2" || return
+  case $1 in
+    cortex-m7) cmake --build --preset "$1" --target "${programs[@]}" "${large[@]}" ;;
+    host-*) cmake --build --preset "$1" --target "${programs[@]:0:5}" ;;
+    *) cmake --build --preset "$1" --target "${programs[@]}" ;;
+  esac || return
+  if [ "$2" = ON ]; then cmake --build --preset "$1"; fi
+}
+
 cmake --preset host
 cmake --build --preset host --target cairn_sim "${programs[@]}" "${large[@]}"
-timed=()
-for target in "${targets[@]}"; do
-  cmake --preset "$target"
-  case $target in
-    cortex-m7) cmake --build --preset "$target" --target "${programs[@]}" "${large[@]}" ;;
-    host-*) cmake --build --preset "$target" --target "${programs[@]:0:5}" ;;
-    *) cmake --build --preset "$target" --target "${programs[@]}" ;;
-  esac
-  case $timing,$target in yes,cortex-m7 | yes,cortex-m4f) timed+=("$target") ;; esac
-done
+"${report[@]}" --record
 
 status=0
-python3 tests/footprint/firmware_report.py --targets "$(IFS=,; echo "${targets[*]}")" \
-  --timing "$(IFS=,; echo "${timed[*]}")" "${pages[@]}" || status=1
+for target in "${targets[@]}"; do
+  options=()
+  units=OFF
+  case $timing,$target in yes,cortex-m7 | yes,cortex-m4f) options+=(--timing) ;; esac
+  case $all,$target in yes,host-*) ;; yes,*) units=ON; options+=(--unit-tests) ;; esac
+  # One target that does not build must not hide what the others do.
+  if ! build "$target" $units; then
+    echo "firmware: $target does not build" >&2
+    status=1
+    continue
+  fi
+  "${report[@]}" --target "$target" "${options[@]}" || status=1
+done
 if [ $growth = yes ]; then
   python3 tests/timing/growth.py || status=1
 fi
-if [ $all = yes ]; then
-  for target in "${targets[@]}"; do
-    case $target in host-*) continue ;; esac
-    cmake --preset "$target" -DCAIRN_ALL_UNIT_TESTS=ON
-    cmake --build --preset "$target"
-    ctest --preset "$target" --parallel "$(nproc)" || status=1
-  done
-fi
+"${report[@]}" --write-pages || status=1
 exit $status

@@ -27,6 +27,9 @@ if(CAIRN_BARE_METAL)
     $<$<COMPILE_LANGUAGE:CXX>:SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/no_heap.h>)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
     target_compile_options(cairn_bare_metal INTERFACE -fcallgraph-info=su)
+    # A compiler cache keeps the objects alone and would lose the call graph beside them.
+    set(CMAKE_C_COMPILER_LAUNCHER "")
+    set(CMAKE_CXX_COMPILER_LAUNCHER "")
   endif()
 endif()
 

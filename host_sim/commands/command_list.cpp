@@ -4,6 +4,7 @@
 #include "host_sim/commands/merge_command.hpp"
 #include "host_sim/commands/replay_command.hpp"
 #include "host_sim/commands/run_command.hpp"
+#include "host_sim/commands/timing_command.hpp"
 #include "host_sim/commands/turntable_command.hpp"
 #include "host_sim/commands/vision_command.hpp"
 #include "host_sim/commands/vision_quality_command.hpp"
@@ -16,6 +17,7 @@ void register_commands(CommandContext& context) {
   register_info_command(context);
   register_consistency_command(context);
   register_merge_command(context);
+  register_timing_command(context);
   register_turntable_command(context);
   register_vision_command(context);
   register_vision_quality_command(context);

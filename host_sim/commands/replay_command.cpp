@@ -9,9 +9,9 @@
 namespace cairn::host {
 namespace {
 
-struct ReplayOptions {
+struct ReplayArguments {
   std::filesystem::path log;
-  std::string config;
+  ReplayOptions options;
 };
 
 }  // namespace
@@ -19,13 +19,15 @@ struct ReplayOptions {
 void register_replay_command(CommandContext& context) {
   CLI::App* command =
       context.app.add_subcommand("replay", "Replay an input log, one hash per frame");
-  const auto options = std::make_shared<ReplayOptions>();
+  const auto options = std::make_shared<ReplayArguments>();
   command->add_option("LOG", options->log, "Input log that `run --record` wrote")->required();
   command
-      ->add_option("--config", options->config,
+      ->add_option("--config", options->options.config,
                    "Capacities of the tracker: those of the firmware to compare with")
       ->check(CLI::IsMember({"default", "tiny", "large"}));
-  command->callback([options] { replay_log(options->log, options->config); });
+  command->add_flag("--marked", options->options.marked,
+                    "Draw the virtual objects and mark frames and stages for a profiler");
+  command->callback([options] { replay_log(options->log, options->options); });
 }
 
 }  // namespace cairn::host

@@ -12,25 +12,6 @@
 namespace cairn::host {
 namespace {
 
-ExitCode dispatch(const RunOptions& options) {
-  const std::string name = options.source.substr(0, options.source.find(':'));
-  for (const RunKind& kind : run_kinds()) {
-    if (name != kind.name) continue;
-    const bool has_rest = options.source.find(':') != std::string::npos;
-    if (has_rest == kind.argument.empty()) {
-      throw UsageError(fmt::format("source '{}': expected {}{}", options.source, kind.name,
-                                   kind.argument.empty() ? "" : ":" + kind.argument));
-    }
-    return kind.run(options, has_rest ? options.source.substr(name.size() + 1) : std::string());
-  }
-  std::string known;
-  for (const RunKind& kind : run_kinds()) {
-    known += fmt::format("{}{}{}{}", known.empty() ? "" : ", ", kind.name,
-                         kind.argument.empty() ? "" : ":", kind.argument);
-  }
-  throw UsageError(fmt::format("source '{}': expected one of {}", options.source, known));
-}
-
 void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("SOURCE", options.source, "Built-in world, data set or video")->required();
   command.add_option("--out", options.out, "Folder for the results")->required();
@@ -92,7 +73,7 @@ void register_run_command(CommandContext& context) {
   command->callback([&context, options] {
     check_fading(options->fading);
     options->command_line = context.command_line;
-    context.exit_code = dispatch(*options);
+    context.exit_code = dispatch_run(*options);
   });
 }
 

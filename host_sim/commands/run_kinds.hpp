@@ -14,7 +14,11 @@ struct RunKind {
   std::string name;
   std::string argument;
   ExitCode (*run)(const RunOptions& options, const std::string& argument);
+  bool gives_pictures = true;
 };
+
+/// Runs `options.source` as its kind does. UsageError for an unknown kind or a wrong argument.
+ExitCode dispatch_run(const RunOptions& options);
 
 /// Every kind of source: the list in run_kinds.cpp.
 const std::vector<RunKind>& run_kinds();

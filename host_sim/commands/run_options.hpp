@@ -7,6 +7,12 @@
 
 namespace cairn::host {
 
+/// What `cairn_sim timing` wants of a run; the times are always taken.
+struct TimingOptions {
+  int counted_frames = 60;    ///< whose instructions are counted; 0: none
+  double p99_below_ms = 0.0;  ///< the command fails above it; 0: no check
+};
+
 /// Options of `cairn_sim run`, common to video and landmark sources.
 struct RunOptions {
   std::string source;  ///< as typed: NAME or NAME:REST
@@ -29,6 +35,7 @@ struct RunOptions {
   std::filesystem::path odometry;
   std::filesystem::path times;
   std::filesystem::path truth;
+  std::optional<TimingOptions> timing;  ///< time the frames instead of evaluating the run
 };
 
 }  // namespace cairn::host

@@ -9,10 +9,12 @@
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/replay.hpp"
 
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/run/core_conversions.hpp"
+#include "host_sim/run/instruction_count.hpp"
 
 namespace cairn::host {
 namespace {
@@ -40,7 +42,9 @@ class LogReplay {
     check(reader_.open(header_));
   }
 
-  void run(std::string config) {
+  void run(const ReplayOptions& options) {
+    marked_ = options.marked;
+    std::string config = options.config;
     const PinholeCamera<float>& camera = header_.camera;
     if (config.empty()) {
       const bool fits = camera.width <= DefaultConfig::kMaxImageWidth &&
@@ -78,6 +82,9 @@ class LogReplay {
     std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width) *
                                      static_cast<std::size_t>(height));
     const MutableImageView image{pixels.data(), width, height, width};
+    Augmenter augmenter;
+    check(augmenter.initialise(Augmenter::Parameters{}));
+    std::vector<OdometrySample> odometry;
     LogEvent event = LogEvent::kOdometry;
     OdometrySample sample;
     LogFrame frame;
@@ -85,12 +92,22 @@ class LogReplay {
       check(reader_.next(event, sample, frame, image));
       if (event == LogEvent::kEnd) return;
       if (event == LogEvent::kOdometry) {
-        // A sample that is refused is in the tracker's counters, and so in the hash.
-        static_cast<void>(replay_odometry(sample, *tracker));
+        odometry.push_back(sample);
         continue;
       }
       FrameReport report;
-      report.status = tracker->process_frame(image, frame.t_us, TickSource{}, report);
+      if (marked_) cairn_mark_frame_begin();
+      for (const OdometrySample& each : odometry) {
+        // A sample that is refused is in the tracker's counters, and so in the hash.
+        static_cast<void>(replay_odometry(each, *tracker));
+      }
+      odometry.clear();
+      const TickSource ticks = marked_ ? marking_ticks() : TickSource{};
+      report.status = tracker->process_frame(image, frame.t_us, ticks, report);
+      if (marked_) {
+        tracker->augment(augmenter, image, ticks, report);
+        cairn_mark_frame_end();
+      }
       fmt::print("frame {} {} {} {:016x}\n", frame.number, frame.t_us, to_string(report.status),
                  frame_hash(*tracker, report));
     }
@@ -106,6 +123,7 @@ class LogReplay {
   FileBytes bytes_;
   InputLogReader<FileBytes> reader_;
   InputLogHeader header_;
+  bool marked_ = false;
 };
 
 }  // namespace
@@ -182,8 +200,8 @@ void RecordingSource::check(Status status) const {
                               : fmt::format("the run cannot be recorded: {}", to_string(status)));
 }
 
-void replay_log(const std::filesystem::path& path, const std::string& config) {
-  LogReplay(path).run(config);
+void replay_log(const std::filesystem::path& path, const ReplayOptions& options) {
+  LogReplay(path).run(options);
 }
 
 }  // namespace cairn::host

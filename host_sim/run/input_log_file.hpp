@@ -42,9 +42,16 @@ class RecordingSource : public FrameSource {
   InputLogWriter<Sink> writer_;
 };
 
+struct ReplayOptions {
+  std::string
+      config;  ///< default, tiny, large, or empty: the smaller of default and large that fits
+  /// Draw the virtual objects as well, and call the functions of instruction_count.hpp at the
+  /// bounds of frames and stages.
+  bool marked = false;
+};
+
 /// Replays an input log on the tracker that its header names and prints one line per frame: number,
-/// time, status, hash. `config`: default, tiny, large, or empty for the smallest of default and
-/// large that holds the frames. Throws InputError, naming the file, for anything but a whole log.
-void replay_log(const std::filesystem::path& path, const std::string& config);
+/// time, status, hash. Throws InputError, naming the file, for anything but a whole log.
+void replay_log(const std::filesystem::path& path, const ReplayOptions& options);
 
 }  // namespace cairn::host

@@ -11,4 +11,7 @@ namespace cairn::host {
 /// without.
 std::optional<std::string> write_report(const std::filesystem::path& folder);
 
+/// Same for timing.png of a folder with a frame_times.csv.
+std::optional<std::string> draw_timing(const std::filesystem::path& folder);
+
 }  // namespace cairn::host

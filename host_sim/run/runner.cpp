@@ -111,8 +111,8 @@ class FrameLoop {
 
   void draw(const Frame& frame, const FrameRecord& entry) {
     const std::size_t done = record_.frames.size();
-    const bool keep = done % static_cast<std::size_t>(picture_step_) ==
-                      static_cast<std::size_t>(picture_step_ / 2);
+    const bool keep = settings_.pictures > 0 && done % static_cast<std::size_t>(picture_step_) ==
+                                                    static_cast<std::size_t>(picture_step_ / 2);
     if (!settings_.video && !keep) return;
     const std::string caption =
         fmt::format("frame {}  {}  {:.2f} ms  {} inliers  {} landmarks", frame.number,

@@ -12,8 +12,10 @@
 #include "host_sim/run/report.hpp"
 #include "host_sim/run/run_outputs.hpp"
 #include "host_sim/run/runner.hpp"
+#include "host_sim/run/timing_run.hpp"
 #include "host_sim/sources/data_sets.hpp"
 #include "host_sim/sources/hall_source.hpp"
+#include "host_sim/sources/stress_source.hpp"
 #include "host_sim/sources/video_source.hpp"
 #include "host_sim/world/gaussian.hpp"
 
@@ -130,6 +132,9 @@ ExitCode run_source(FrameSource& source, const RunOptions& options) {
   const TrackerOptions tracker_settings = tracker_options(options, source.info(), frame);
   const std::unique_ptr<Tracker> tracker = make_tracker(tracker_settings, source.info());
   make_folder(options.out);
+  if (options.timing.has_value()) {
+    return time_frames({source, frame, *tracker, tracker_settings, options});
+  }
 
   RunnerSettings runner;
   runner.out = options.out;
@@ -186,6 +191,12 @@ ExitCode run_hall_small(const RunOptions& options, const std::string& /*argument
   hall.width = 320;
   hall.frame_count = options.max_frames.value_or(kHallSmallFrames);
   return run_source(*make_hall_source(hall), options);
+}
+
+ExitCode run_stress(const RunOptions& options, const std::string& fields) {
+  StressScene scene = parse_stress_scene(fields);
+  if (options.max_frames.has_value()) scene.frames = *options.max_frames;
+  return run_source(*make_stress_source(scene), options);
 }
 
 ExitCode run_seven_scenes(const RunOptions& options, const std::string& folder) {

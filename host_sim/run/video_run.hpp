@@ -11,6 +11,8 @@ namespace cairn::host {
 /// tracks, writes every file of design section 5 into `options.out`, prints the stages' table.
 ExitCode run_hall(const RunOptions& options, const std::string& argument);
 ExitCode run_hall_small(const RunOptions& options, const std::string& argument);
+/// `fields`: of the StressScene, NAME=VALUE,...
+ExitCode run_stress(const RunOptions& options, const std::string& fields);
 ExitCode run_seven_scenes(const RunOptions& options, const std::string& folder);
 ExitCode run_tag_board(const RunOptions& options, const std::string& folder);
 ExitCode run_kitti(const RunOptions& options, const std::string& folder);

@@ -1,11 +1,18 @@
 #!/usr/bin/env python3
-"""Runs every target program of the given builds: self-test, memory, equality with the host and, with
---timing, instructions and modelled cycles. Leaves build/firmware/summary.json and, with
---write-pages, renews docs/reference. Called by scripts/firmware.sh, which builds first.
+"""What the programs of one target's build do: self-test, memory, equality with the host and, as asked
+for, instructions with modelled cycles, and unit tests. scripts/firmware.sh builds and calls:
+
+  firmware_report.py --record                     records the inputs that all targets replay
+  firmware_report.py --target NAME [--timing] [--unit-tests]
+  firmware_report.py --write-pages                renews docs/reference, if no target is missing
+
+Every measured target leaves build/firmware/results/NAME.json, all together summary.json.
 """
 import argparse
 import json
 import pathlib
+import re
+import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
@@ -19,6 +26,8 @@ import timing_page  # noqa: E402
 from targets import Target  # noqa: E402
 
 OUT = ROOT / "build/firmware"
+LOGS = OUT / "logs"
+RESULTS = OUT / "results"
 IMAGES = ["vehicle", "handheld", "vehicle_tiny", "handheld_tiny", "vehicle_large", "handheld_large"]
 PARTS = ("filter", "map", "vision", "tracker")
 REPLAY_OPTIONS = ["--overlay", "yes"]
@@ -102,29 +111,79 @@ def measure(target, host, logs):
     return result, good
 
 
+def unit_tests(target):
+    """Runs the build's own tests: {passed, run}, and whether all passed."""
+    done = subprocess.run(["ctest", "--test-dir", target.build, "--output-on-failure"], capture_output=True,
+                          text=True)
+    found = re.search(r"(\d+) tests failed out of (\d+)", done.stdout)
+    if found is None:
+        return {"passed": 0, "run": 0}, False
+    failed, run = int(found[1]), int(found[2])
+    print(f"  {run - failed} of {run} tests pass")
+    if failed:
+        print(done.stdout[-4000:])
+    return {"passed": run - failed, "run": run}, failed == 0
+
+
+def revision():
+    done = subprocess.run(["git", "describe", "--always", "--dirty", "--abbrev=7"], cwd=ROOT,
+                          capture_output=True, text=True)
+    return done.stdout.strip() or "unknown"
+
+
+def measure_target(args):
+    target = Target(ROOT / "build" / args.target)
+    logs = inputs.recorded(LOGS)
+    result, good = measure(target, Target(ROOT / "build/host"), logs)
+    result["revision"] = revision()
+    result["compiler"] = footprint_page.compiler_of(ROOT, args.target)
+    if args.timing:
+        frame_timing.measure(target, IMAGES, logs, OUT, result)
+    if args.unit_tests:
+        result["unit_tests"], passed = unit_tests(target)
+        good = good and passed
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    (RESULTS / f"{args.target}.json").write_text(json.dumps(result, indent=2) + "\n")
+    return good
+
+
+def all_results():
+    """Of every target that was measured, the boards first."""
+    found = {path.stem: json.loads(path.read_text()) for path in RESULTS.glob("*.json")}
+    return {name: found[name] for name in footprint_page.ORDER if name in found}
+
+
+def write_pages():
+    results = all_results()
+    missing = [name for name in footprint_page.NEEDED if name not in results]
+    if missing:
+        print(f"pages not renewed: {', '.join(missing)} not measured")
+        return
+    footprint_page.write(ROOT, results)
+    timed = {name: entry for name, entry in results.items()
+             if any("timing" in image for image in entry.values() if isinstance(image, dict))}
+    if timed:
+        timing_page.write(ROOT, timed)
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--targets", required=True, help="build folders below build/, comma-separated")
-    parser.add_argument("--timing", default="", help="those of them to time, comma-separated")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("--record", action="store_true")
+    parser.add_argument("--target", help="build folder below build/")
+    parser.add_argument("--timing", action="store_true")
+    parser.add_argument("--unit-tests", action="store_true")
     parser.add_argument("--write-pages", action="store_true")
     args = parser.parse_args()
     OUT.mkdir(parents=True, exist_ok=True)
-    host = Target(ROOT / "build/host")
-    logs = inputs.record(host.build, OUT / "logs")
-    results, good = {}, True
-    for name in args.targets.split(","):
-        results[name], target_good = measure(Target(ROOT / "build" / name), host, logs)
-        good = good and target_good
-    if args.write_pages:
-        footprint_page.write(ROOT, results)
-    timed = [name for name in args.timing.split(",") if name]
-    for name in timed:
-        frame_timing.measure(Target(ROOT / "build" / name), IMAGES, logs, OUT, results[name])
+    if args.record:
+        inputs.record(ROOT / "build/host", LOGS)
+    good = measure_target(args) if args.target else True
     summary = OUT / "summary.json"
-    summary.write_text(json.dumps({"targets": results}, indent=2) + "\n")
-    if args.write_pages and timed:
-        timing_page.write(ROOT, {name: results[name] for name in timed})
-    print(f"\n{'every frame equal to the host' if good else 'NOT ALL GOOD'}; {summary.relative_to(ROOT)}")
+    summary.write_text(json.dumps({"targets": all_results()}, indent=2) + "\n")
+    if args.write_pages:
+        write_pages()
+    if args.target:
+        print(f"{args.target}: {'every frame equal to the host' if good else 'NOT ALL GOOD'}")
     return 0 if good else 1
 
 

@@ -2,6 +2,12 @@
 import json
 import re
 
+BOARDS = ["cortex-m7", "cortex-m4f", "cortex-m33", "cortex-m55", "cortex-m7-clang"]
+LINUX = ["aarch64-linux", "armhf-linux", "riscv64-linux"]
+HOSTS = [f"host-{compiler}-{level}" for compiler in ("gcc", "clang") for level in ("O0", "O2", "O3")]
+ORDER = BOARDS + LINUX + HOSTS
+NEEDED = BOARDS + LINUX
+
 FOOTPRINT = """# Footprint
 
 Bytes of the replay images: tracker, virtual objects, port and replay program together.
@@ -29,7 +35,8 @@ TARGETS = """# Targets that were compared with the host
 Written by `scripts/firmware.sh`. For each target: the port's self-test, one hash per module of the core
 (`exercise`), and for each replayed frame one hash over pose, covariance, landmarks and counters and one
 over the picture with the virtual objects drawn into it. All compared with the host's, `g++ -O3`.
-The inputs are recorded anew by each run (`tests/target/inputs.json`).
+The inputs are recorded anew by each run (`tests/target/inputs.json`); `measured at` is the commit that
+was compared, `unit tests` those of `scripts/firmware.sh --all`: test programs, gates and faults.
 
 """
 
@@ -83,16 +90,20 @@ def targets(root, results):
     names = []
     for _, _, entry in images_of(results):
         names += [name for name in entry["inputs"] if name not in names]
-    rows = ["| target | compiler | self-test | modules | " + " | ".join(names) + " |",
-            "| --- | --- | --- | --- |" + " ---: |" * len(names)]
+    rows = ["| target | compiler | measured at | self-test | modules | unit tests | " + " | ".join(names) + " |",
+            "| --- | --- | --- | --- | --- | --- |" + " ---: |" * len(names)]
     for target, entries in results.items():
         cells = {}
         for _, image, entry in images_of({target: entries}):
             for name, outcome in entry["inputs"].items():
                 text = f"{outcome['frames']} equal" if outcome["hash_equal"] else "**differs**"
                 cells[name] = f"{cells[name]}, {text}" if name in cells else text
-        rows.append(f"| {target} | `{compiler_of(root, target)}` | {'good' if entries['selftest'] else '**bad**'} | "
+        units = entries.get("unit_tests")
+        unit_text = f"{units['passed']} of {units['run']}" if units else "-"
+        rows.append(f"| {target} | `{entries['compiler']}` | {entries['revision']} | "
+                    f"{'good' if entries['selftest'] else '**bad**'} | "
                     f"{str(entries['modules']) + ' equal' if entries['modules_equal'] else '**differ**'} | "
+                    f"{unit_text} | "
                     + " | ".join(cells.get(name, "-") for name in names) + " |")
     (root / "docs/reference/targets.md").write_text(TARGETS + "\n".join(rows) + "\n")
 

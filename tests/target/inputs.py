@@ -1,7 +1,7 @@
 """Input logs that the firmware is compared and timed on: the list in inputs.json.
 
 An entry gives `name`, `set` (typical or worst), `images` (replay programs without replay_) and how to
-make its log: `source` with `frames` and `arguments` for `cairn_sim run`, or `command`, a list in
+make its log: `source`, with `frames` and `arguments` where needed, for `cairn_sim run`, or `command`, a list in
 which {bin}, {log} and {out} are replaced. `needs`: a path without which the entry is left out.
 Paths are relative to the project's root. Logs are made anew whenever they are asked for, by the code
 as it is.
@@ -29,25 +29,40 @@ def command_of(entry, host, log, out):
         for place, value in places.items():
             entry["command"] = [part.replace(place, value) for part in entry["command"]]
         return entry["command"]
-    return [host / "bin/cairn_sim", "run", entry["source"], *entry.get("arguments", []),
-            "--max-frames", str(entry["frames"]), "--no-video", "--out", out, "--record", log]
+    frames = ["--max-frames", str(entry["frames"])] if "frames" in entry else []
+    return [host / "bin/cairn_sim", "run", entry["source"], *entry.get("arguments", []), *frames,
+            "--no-video", "--out", out, "--record", log]
 
 
-def record(host, folder, names=None):
-    """Makes the logs of all entries (or of `names`) in `folder` with the programs of the build `host`."""
-    entries = json.loads((ROOT / "tests/target/inputs.json").read_text())["inputs"]
-    inputs = []
-    for entry in entries:
+def entries_of(names=None):
+    """The entries of inputs.json (or those of `names`) whose data are there."""
+    for entry in json.loads((ROOT / "tests/target/inputs.json").read_text())["inputs"]:
         if names is not None and entry["name"] not in names:
             continue
         if "needs" in entry and not (ROOT / entry["needs"]).exists():
             print(f"{entry['name']}: left out, {entry['needs']} is not there")
             continue
-        log = folder / f"{entry['name']}.log"
-        log.parent.mkdir(parents=True, exist_ok=True)
-        command = [str(c) for c in command_of(entry, host, log, folder / entry["name"])]
+        yield entry
+
+
+def input_of(entry, folder):
+    return Input(entry["name"], entry["set"], entry["images"], folder / f"{entry['name']}.log")
+
+
+def recorded(folder):
+    """The inputs whose logs record() left in `folder`."""
+    return [each for each in (input_of(entry, folder) for entry in entries_of()) if each.log.exists()]
+
+
+def record(host, folder, names=None):
+    """Makes the logs of all entries (or of `names`) in `folder` with the programs of the build `host`."""
+    made = []
+    for entry in entries_of(names):
+        new = input_of(entry, folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        command = [str(c) for c in command_of(entry, host, new.log, folder / entry["name"])]
         done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         if done.returncode:
             sys.exit(f"{entry['name']}: {' '.join(command)} failed:\n{done.stdout}{done.stderr}")
-        inputs.append(Input(entry["name"], entry["set"], entry["images"], log))
-    return inputs
+        made.append(new)
+    return made
