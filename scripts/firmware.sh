@@ -2,16 +2,18 @@
 # Builds the firmware of every emulated target, runs self-test and replays on it and compares each
 # frame's hash with the host's:
 #
-#   scripts/firmware.sh [--timing] [--growth] [--all] [--targets LIST]
+#   scripts/firmware.sh [--timing] [--growth] [--loops TRIES] [--all] [--targets LIST]
 #
 #   --timing         also instructions per stage and modelled cycles on the M7 and the M4F
 #   --growth         also how a frame's cost grows with its capacities, on the M7
+#   --loops TRIES    also every loop's bound against what it did, in the inputs and in so many bred
+#                    stress scenes, on the host
 #   --all            also the host with g++ and clang++ at -O0, -O2 and -O3, and the unit tests on
 #                    every target (long)
 #   --targets LIST   these presets alone, comma-separated; what was measured of the others stays
 #
-# Leaves build/firmware/summary.json and, once every target has been measured, renews
-# docs/reference/footprint.md, targets.md and, with --timing, timing.md.
+# Leaves build/firmware/summary.json and renews docs/reference/footprint.md, targets.md and, with
+# --timing, timing.md: a row for each target that this build folder has measured, with its commit.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -22,15 +24,19 @@ targets=()
 all=no
 timing=no
 growth=no
+tries=0
 while [ $# -gt 0 ]; do
   case $1 in
     --timing) timing=yes ;;
     --growth) growth=yes ;;
+    --loops)
+      [ $# -ge 2 ] || { echo "firmware: --loops needs a number" >&2; exit 2; }
+      tries=$2; shift ;;
     --all) all=yes ;;
     --targets)
       [ $# -ge 2 ] || { echo "firmware: --targets needs a list" >&2; exit 2; }
       IFS=, read -ra targets <<<"$2"; shift ;;
-    *) sed -n '2,16p' "$0" >&2; exit 2 ;;
+    *) sed -n '2,18p' "$0" >&2; exit 2 ;;
   esac
   shift
 done
@@ -76,7 +82,14 @@ for target in "${targets[@]}"; do
   "${report[@]}" --target "$target" "${options[@]}" || status=1
 done
 if [ $growth = yes ]; then
+  cmake --preset cortex-m7
+  cmake --build --preset cortex-m7 --target "${large[@]}" library_cost
   python3 tests/timing/growth.py || status=1
+fi
+if [ "$tries" -gt 0 ]; then
+  cmake --preset host-loops
+  cmake --build --preset host-loops --target loop_count
+  tests/timing/count_loops.sh "$tries" || status=1
 fi
 "${report[@]}" --write-pages || status=1
 exit $status

@@ -44,6 +44,7 @@ def memory_of(target, image, entry):
     size = memory.memory_of(target.build, "arm-none-eabi-size", target.program(f"replay_{image}"))
     entry["flash_bytes"] = size["flash_bytes"]
     entry["ram_bytes"]["total"] = size["ram_bytes"]
+    entry["flash_parts"] = memory.flash_parts("arm-none-eabi-nm", target.program(f"replay_{image}"))
     entry["frame_buffer_bytes"] = size["frame_bytes"]
     entry["stack_bytes"] = size["stack_bytes"]
     entry["stack_path"] = size["stack_path"]

@@ -32,6 +32,32 @@ def sections(size_tool, image):
     return {m[1]: int(m[2]) for m in re.finditer(r"^(\.\S+)\s+(\d+)", text, re.M)}
 
 
+# Which part of the core a symbol's source belongs to; what lies elsewhere (port, replay, libraries) is "rest".
+PARTS = [
+    ("filter", r"core/(include/cairn|src)/(planar|mono)/|packed_symmetric|one_point_ransac"),
+    ("map", r"core/(include/cairn|src)/map/|tracking/(candidate|landmark)"),
+    ("vision", r"core/(include/cairn|src)/vision/|tracking/(feature_supply|active_search|appearance)"),
+    ("drawing", r"tracking/(registration|virtual_object|line_drawing|anchor)|runtime/augmenter"),
+    ("tracker", r"core/(include/cairn|src)/(tracking|runtime)/"),
+    ("math", r"core/(include/cairn|src)/(numeric|geometry)/|eigen3/"),
+]
+
+
+def flash_parts(nm_tool, image):
+    """Bytes of code and constants by part of the core, by the source that a symbol came from."""
+    text = subprocess.run([nm_tool, "-S", "-l", image], capture_output=True, text=True, check=True).stdout
+    parts = {name: 0 for name, _ in PARTS}
+    parts["rest"] = 0
+    counted = set()  # several names may stand for one place
+    for address, size, source in re.findall(r"^([0-9a-f]+) ([0-9a-f]+) [tTwWrRvVdD] [^\t\n]*(?:\t(.*))?$", text, re.M):
+        if address in counted:
+            continue
+        counted.add(address)
+        found = next((name for name, pattern in PARTS if re.search(pattern, source)), "rest")
+        parts[found] += int(size, 16)
+    return parts
+
+
 def stack(build, image):
     """(bytes of the deepest path from main, that path as text, what stands against the figure); 0 where
     the compiler wrote no call graph"""

@@ -6,8 +6,7 @@
 // picture's hash; --ticks: print the port's ticks per stage and frame, what the frame counted
 // (corners, searched, matches, inliers, landmarks), and the stack used
 //
-// CAIRN_REPLAY_VEHICLE chooses the tracker, CAIRN_REPLAY_CONFIG its capacities; where
-// CAIRN_REPLAY_ACTIVE and CAIRN_REPLAY_LIBRARY are set, those change its landmarks and library.
+// CAIRN_REPLAY_VEHICLE chooses the tracker, CAIRN_REPLAY_CONFIG its capacities.
 
 #include "cairn/runtime/replay.hpp"
 
@@ -45,15 +44,7 @@ using cairn_test::write;
 using cairn_test::write_decimal;
 using cairn_test::write_hex64;
 
-#ifdef CAIRN_REPLAY_ACTIVE
-struct Config : cairn::CAIRN_REPLAY_CONFIG {
-  static constexpr int kMaxLandmarks = CAIRN_REPLAY_ACTIVE;
-  static constexpr int kMaxFeatures = CAIRN_REPLAY_ACTIVE;
-  static constexpr int kLibraryLandmarks = CAIRN_REPLAY_LIBRARY;
-};
-#else
 using Config = cairn::CAIRN_REPLAY_CONFIG;
-#endif
 #if CAIRN_REPLAY_VEHICLE
 using Tracker =
     cairn::VehicleTracker<Config, cairn::GroupIekfSlam<float, Config::kMaxLandmarks, 3>>;

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""How the instructions of a frame grow with active landmarks, library size, image size and corners, on
-the emulated M7, with fitted exponents. Writes docs/reference/timing-growth.md.
+"""How the instructions of a frame grow with active landmarks, image size, corners and the library, on the
+emulated M7, with fitted exponents. Writes docs/reference/timing-growth.md and its picture.
 
-usage: growth.py [--quick]   (--quick: two sizes of each, page not written)
-Needs build/host with cairn_sim and a configured build/cortex-m7, whose images it builds.
+usage: growth.py
+Needs build/host with cairn_sim and build/cortex-m7 with replay_vehicle_large, replay_handheld_large and
+library_cost.
 """
-import argparse
+import json
 import math
 import pathlib
 import subprocess
@@ -16,116 +17,153 @@ sys.path.insert(0, str(ROOT / "tests/target"))
 import frame_timing  # noqa: E402
 from targets import Target  # noqa: E402
 
-FRAMES, MEASURED = 300, 100  # the last ones, when the map is full
-ACTIVE = {"vehicle": [8, 16, 32, 64, 128], "handheld": [8, 16, 32, 50]}
-LIBRARY = [64, 256, 1024]
+OUT = ROOT / "build/firmware/growth"
+PAGE = ROOT / "docs/reference/timing-growth.md"
 SCALE = 1e9 / (frame_timing.NANOSECONDS_PER_INSTRUCTION * frame_timing.TICKS_PER_SECOND["cortex-m7"])
+COUNTS = ("corners", "searched", "matches", "inliers", "landmarks")
+# The camera passes a plane: the map grows by what comes into view, to the capacity of the large image.
+GROWING = {"vehicle": "stress:frames=360,step_mm=60", "handheld": "stress:handheld=1,frames=60,step_mm=30"}
+SIZES = [8, 16, 32, 64, 96, 128]
+NEAR = 0.12  # share by which a frame's landmarks may differ from a size
+PAGE_HEAD = """# How a frame's cost grows
+
+Instructions on the emulated Cortex-M7, written by `tests/timing/growth.py` (`scripts/firmware.sh --growth`).
+Exponents are slopes of straight lines through the logarithms of all frames concerned.
+
+![Instructions of a frame against landmarks, corners, pixels and library](timing-growth.png)
+
+## Active landmarks
+
+Images of the large configuration, {inputs}: the map grows from nothing to the capacity (128 landmarks, 50
+features) within one run. Median of the frames whose number of landmarks is within {near:.0f} %.
+
+"""
 
 
-def record(source, mode, out):
-    log = out / f"{source}-{mode}-{FRAMES}.log"
-    subprocess.run([ROOT / "build/host/bin/cairn_sim", "run", source, "--mode", mode, "--max-frames",
-                    str(FRAMES), "--no-video", "--out", out / f"{source}-{mode}", "--record", log],
-                   check=True, capture_output=True, cwd=ROOT)
+def record(source, mode=None):
+    name = "".join(c if c.isalnum() else "-" for c in source) + (f"-{mode}" if mode else "")
+    log = OUT / f"{name}.log"
+    command = [ROOT / "build/host/bin/cairn_sim", "run", source, "--no-video", "--out", OUT / name,
+               "--record", log]
+    if not source.startswith("stress"):
+        command += ["--mode", mode, "--max-frames", "60"]
+    subprocess.run(command, check=True, capture_output=True, cwd=ROOT)
     return log
 
 
 def frames_of(target, program, log):
     """A dictionary per frame: stages' instructions and what was counted."""
-    status, text = target.run(program, [log, "--overlay", "yes", "--ticks", "yes"])
+    status, text = target.run(program, [log, "--ticks", "yes"])
     if status:
         sys.exit(f"{program}: status {status}\n{text[-500:]}")
     rows = {}
     for line in text.splitlines():
         fields = line.split()
         if fields[0] == "ticks":
-            counts = [int(f) * SCALE for f in fields[2:]]
-            rows[fields[1]] = dict(zip(frame_timing.STAGES, counts))
+            rows[fields[1]] = dict(zip(frame_timing.STAGES, (int(f) * SCALE for f in fields[2:])))
         elif fields[0] == "counts":
-            names = ("corners", "searched", "matches", "inliers", "landmarks")
-            rows[fields[1]].update(zip(names, map(int, fields[2:])))
+            rows[fields[1]].update(zip(COUNTS, map(int, fields[2:])))
     return list(rows.values())
-
-
-def mean(frames, key):
-    return sum(f[key] for f in frames) / len(frames)
 
 
 def exponent(pairs):
     """Slope of a straight line through the logarithms."""
     points = [(math.log(x), math.log(y)) for x, y in pairs if x > 0 and y > 0]
-    if len(points) < 2:
-        return float("nan")
-    mx = sum(x for x, _ in points) / len(points)
-    my = sum(y for _, y in points) / len(points)
+    mx = sum(x for x, _ in points) / max(1, len(points))
+    my = sum(y for _, y in points) / max(1, len(points))
     across = sum((x - mx) ** 2 for x, _ in points)
     return sum((x - mx) * (y - my) for x, y in points) / across if across else float("nan")
 
 
-def active_rows(target, mode, sizes, log):
-    pairs, rows = [], []
-    for active in sizes:
-        name = f"growth_{int(mode == 'vehicle')}_{active}_256"
-        frames = frames_of(target, name, log)[-MEASURED:]
-        pairs.append((mean(frames, "landmarks"), mean(frames, "frame")))
-        rows.append(f"| {mode} | {active} | {mean(frames, 'landmarks'):.1f} | {mean(frames, 'inliers'):.1f} | "
-                    f"{mean(frames, 'features'):,.0f} | {mean(frames, 'pose_update'):,.0f} | "
-                    f"{mean(frames, 'frame'):,.0f} | {max(f['frame'] for f in frames):,.0f} |")
-    return rows, exponent(pairs)
+def median(values):
+    ordered = sorted(values)
+    return ordered[len(ordered) // 2]
+
+
+def active(frames):
+    page = ["| landmarks | frames | matches | features | pose update | frame | dearest frame |",
+            "| ---: | ---: | ---: | ---: | ---: | ---: | ---: |"]
+    for size in SIZES:
+        near = [f for f in frames if abs(f["landmarks"] - size) <= NEAR * size]
+        if not near:
+            continue
+        page.append(f"| {size} | {len(near)} | {median([f['matches'] for f in near])} | "
+                    + " | ".join(f"{median([f[key] for f in near]):,.0f}"
+                                 for key in ("features", "pose_update", "frame"))
+                    + f" | {max(f['frame'] for f in near):,.0f} |")
+    pairs = [(f["landmarks"], f["frame"]) for f in frames if f["landmarks"] >= SIZES[0]]
+    return page, pairs
+
+
+def library(target):
+    status, text = target.run("library_cost")
+    if status:
+        sys.exit(f"library_cost: status {status}")
+    rows = [line.split() for line in text.splitlines()]
+    return [(int(size), operation, int(ticks) * SCALE) for size, operation, ticks in rows]
+
+
+def draw(panels):
+    try:
+        import matplotlib
+        matplotlib.use("Agg")
+        import matplotlib.pyplot as plt
+    except ImportError:
+        print("no picture: python3 has no matplotlib (Debian: python3-matplotlib)")
+        return
+    figure, axes = plt.subplots(2, 2, figsize=(10, 8), constrained_layout=True)
+    for axis, (label, series) in zip(axes.flat, panels):
+        for name, pairs in series.items():
+            axis.plot([x for x, _ in pairs], [y / 1e6 for _, y in pairs], ".", label=name)
+        axis.set_xscale("log")
+        axis.set_yscale("log")
+        axis.set_xlabel(label)
+        axis.set_ylabel("million instructions")
+        axis.legend()
+    figure.savefig(PAGE.with_suffix(".png"), dpi=90)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("--quick", action="store_true")
-    args = parser.parse_args()
-    out = ROOT / "build/firmware/growth"
-    out.mkdir(parents=True, exist_ok=True)
-    active = {mode: sizes[:2] if args.quick else sizes for mode, sizes in ACTIVE.items()}
-    library = LIBRARY[:1] if args.quick else LIBRARY
-    names = [f"growth_{int(mode == 'vehicle')}_{n}_256" for mode in active for n in active[mode]]
-    names += [f"growth_1_64_{n}" for n in library]
+    OUT.mkdir(parents=True, exist_ok=True)
     target = Target(ROOT / "build/cortex-m7")
-    subprocess.run(["cmake", "--build", target.build, "--target", "replay_vehicle", *dict.fromkeys(names)],
-                   check=True)
-    logs = {mode: record("hall", mode, out) for mode in active}
+    page, landmark_pairs, all_frames = [], {}, {}
+    for mode, source in GROWING.items():
+        all_frames[mode] = frames_of(target, f"replay_{mode}_large", record(source))
+        rows, landmark_pairs[mode] = active(all_frames[mode])
+        page += [f"{mode.capitalize()}, exponent {exponent(landmark_pairs[mode]):.2f}:", "", *rows, ""]
 
-    page = ["# How a frame's cost grows", "",
-            f"Instructions on the emulated Cortex-M7, written by `tests/timing/growth.py`: `hall`, the last "
-            f"{MEASURED} of {FRAMES} frames, drawing included. Exponents are slopes of straight lines through "
-            "the logarithms.", "", "## Active landmarks", "",
-            "| mode | capacity | landmarks | inliers | features | pose update | frame | worst frame |",
-            "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"]
-    told = []
-    for mode, sizes in active.items():
-        rows, slope = active_rows(target, mode, sizes, logs[mode])
-        page += rows
-        told.append(f"{mode} {slope:.2f}")
-    page += ["", f"Exponent of the frame against landmarks in the state: {', '.join(told)}."]
+    page += ["## Corners", "", "Stage \"features\" against the corners that FAST found in its windows, same frames."]
+    corner_pairs = {mode: [(f["corners"], f["features"]) for f in frames if f["searched"] >= 20]
+                    for mode, frames in all_frames.items()}
+    page.append("Exponents: " + ", ".join(f"{mode} {exponent(pairs):.2f}" for mode, pairs in corner_pairs.items()) + ".")
 
-    pairs = []
-    page += ["", "## Library", "", "| archived landmarks (capacity) | frame |", "| ---: | ---: |"]
-    for size in library:
-        frames = frames_of(target, f"growth_1_64_{size}", logs["vehicle"])[-MEASURED:]
-        pairs.append((size, mean(frames, "frame")))
-        page.append(f"| {size} | {pairs[-1][1]:,.0f} |")
-    page += ["", f"Exponent: {exponent(pairs):.3f}."]
+    page += ["", "## Image", "", "The hall in the image of the large configuration, 60 frames, vehicle mode.", "",
+             "| image | features | frame |", "| --- | ---: | ---: |"]
+    pixel_pairs = []
+    for label, pixels, source in (("320x240", 320 * 240, "hall-small"), ("640x480", 640 * 480, "hall")):
+        frames = frames_of(target, "replay_vehicle_large", record(source, "vehicle"))
+        late = frames[len(frames) // 2:]
+        pixel_pairs.append((pixels, median([f["frame"] for f in late])))
+        page.append(f"| {label} | {median([f['features'] for f in late]):,.0f} | {pixel_pairs[-1][1]:,.0f} |")
+    page += ["", f"Exponent of the frame against pixels: {exponent(pixel_pairs):.2f}."]
 
-    pairs = []
-    page += ["", "## Image", "", "| image | features | frame |", "| --- | ---: | ---: |"]
-    small = record("hall-small", "vehicle", out)
-    for label, pixels, log in (("320x240", 320 * 240, small), ("640x480", 640 * 480, logs["vehicle"])):
-        frames = frames_of(target, "replay_vehicle", log)[:MEASURED]
-        pairs.append((pixels, mean(frames, "features")))
-        page.append(f"| {label} | {mean(frames, 'features'):,.0f} | {mean(frames, 'frame'):,.0f} |")
-    page += ["", f"Exponent of features against pixels: {exponent(pairs):.2f}."]
+    costs = library(target)
+    page += ["", "## Library", "", "The map library's own operations (`tests/target/library_cost.cpp`): `archive` puts a "
+             "landmark into a full library, `visible` finds those that a pose should see, `slice` is one frame's share of "
+             "matching 64 features while lost (2,048 pairs), `whole` all of it.", "",
+             "| landmarks | archive | visible | slice | whole |", "| ---: | ---: | ---: | ---: | ---: |"]
+    operations = ("archive", "visible", "slice", "whole")
+    by_operation = {name: [(size, cost) for size, each, cost in costs if each == name] for name in operations}
+    for size in sorted({size for size, _, _ in costs}):
+        page.append(f"| {size:,} | " + " | ".join(f"{dict(by_operation[name])[size]:,.0f}" for name in operations) + " |")
+    page += ["", "Exponents: " + ", ".join(f"{name} {exponent(pairs):.2f}" for name, pairs in by_operation.items()) + "."]
 
-    frames = frames_of(target, "replay_vehicle", logs["vehicle"])
-    slope = exponent([(f["corners"], f["features"]) for f in frames if f["searched"] > 0])
-    page += ["", "## Corners", "", f"Exponent of features against corners found, over all frames: {slope:.2f}."]
-    text = "\n".join(page) + "\n"
+    text = PAGE_HEAD.format(inputs=" and ".join(f"`{s}`" for s in GROWING.values()), near=100 * NEAR) + "\n".join(page) + "\n"
     print(text)
-    if not args.quick:
-        (ROOT / "docs/reference/timing-growth.md").write_text(text)
+    PAGE.write_text(text)
+    draw([("landmarks in the state", landmark_pairs), ("corners found", corner_pairs),
+          ("pixels of the image", {"frame": pixel_pairs}), ("landmarks in the library", by_operation)])
+    (OUT / "growth.json").write_text(json.dumps(all_frames))
     return 0
 
 

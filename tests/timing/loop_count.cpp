@@ -61,10 +61,14 @@ class Counters {
     return sum;
   }
 
+  /// The runtime appends to what the file holds, and does so once more at the end of the program.
   bool write(const char* path) const {
     std::copy(largest_.begin(), largest_.end(), begin_);
+    std::remove(path);
     __llvm_profile_set_filename(path);
-    return __llvm_profile_write_file() == 0;
+    const bool written = __llvm_profile_write_file() == 0;
+    std::fill(begin_, end_, std::uint64_t{0});
+    return written;
   }
 
  private:
@@ -143,6 +147,8 @@ constexpr int kWarmFrames = 40;    // until the map is full
 constexpr int kAttackFrames = 6;   // judged
 constexpr std::size_t kKept = 12;  // dearest scenes, of which new ones are bred
 constexpr std::size_t kWarmKept = 48;
+constexpr int kSavedEvery =
+    250;  // tries after which the profile is written, should the search be ended
 
 /// Where the attack is all that differs, the frames before it need not be computed again.
 std::string warm_key(StressScene scene) {
@@ -241,7 +247,7 @@ struct Found {
 };
 
 template <class Tracker>
-void search(int handheld, int tries, std::uint64_t seed, Counters& counters) {
+void search(int handheld, int tries, std::uint64_t seed, const char* profile, Counters& counters) {
   Trial<Tracker> trial(counters);
   cairn::Random random(seed);
   std::vector<Found> kept;
@@ -259,6 +265,7 @@ void search(int handheld, int tries, std::uint64_t seed, Counters& counters) {
     scene.attack_from = kWarmFrames;
     scene.frames = kWarmFrames + kAttackFrames;
     const std::uint64_t cost = trial.cost(scene);
+    if (i % kSavedEvery == kSavedEvery - 1 && !counters.write(profile)) return;
     const bool known =
         std::any_of(kept.begin(), kept.end(), [&](const Found& each) { return each.cost == cost; });
     if (known) continue;
@@ -299,7 +306,7 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "loop_count: %s: expected a whole input log of 640x480\n", log.c_str());
     return 3;
   }
-  search<Vehicle>(0, tries / 2, seed, counters);
-  search<Handheld>(1, tries / 2, seed, counters);
+  search<Vehicle>(0, tries / 2, seed, profile, counters);
+  search<Handheld>(1, tries / 2, seed, profile, counters);
   return counters.write(profile) ? 0 : 1;
 }

@@ -1,0 +1,120 @@
+"""What bounds each loop of the core: the capacity or count behind the limit in its head.
+
+RULES: (file, head, bound), the first that fits holds; file and head are regular expressions, the
+bound an expression over CONSTANTS and DefaultConfig's capacities. It limits how often the body runs
+for each time that the loop is reached.
+"""
+import re
+
+# Constants of the core that bounds refer to, and their values for DefaultConfig.
+CONSTANTS = {
+    "kMonoStates": "14 + 3 * (kMaxFeatures + kMaxAnchors)",  # MonoEkf::kMaxStates
+    "kMaxAnchors": "kMaxFeatures // 5",
+    "kVehicleStates": "3 + 3 * kMaxLandmarks",               # GroupIekfSlam, LandmarkDim 3
+    "kCandidateStates": "2 + 2 * kMaxKeyframes + kMaxCandidates",
+    "kCellWidth": "kMaxImageWidth // 8 + 1",                 # FeatureSupply
+    "kCellHeight": "kMaxImageHeight // 6 + 1",
+    "kWindow": "2 * 24 + 1",                                 # SearchParameters::kMaxHalfWindow
+    "kMaxPixels": "kMaxLandmarks",                           # matches of one frame
+    "kMaxParts": "8", "kMaxVertices": "18", "kMaxFaces": "14", "kMaxEdges": "30", "kLensPieces": "6",
+    "kMaxObjects": "8", "kMaxSamples": "128", "kMaxAnchorPoints": "64", "kMaxOccupied": "192",
+    "kCells": "48", "kCornersPerCell": "6", "kMaxCorners": "8", "kPatchSide": "11", "kMaxHypotheses": "64",
+}
+
+RULES = [
+    (r".*", r"\(int \w+ = \w+; \w+ <=? " + r"(Rows|Size|N|Rank|Dim|LandmarkDim)" + r"; .*\)", "32"),
+    (r"numeric/packed_symmetric", r".*(size_|tiled|<= i|< i|< last|< first|<= c).*", "kMonoStates"),
+    (r"numeric/packed_symmetric", r".*", "kMonoStates"),
+    (r"geometry/", r".*", "16"),
+    (r"numeric/one_point_ransac", r".*needed.*", "kMaxHypotheses"),
+    (r"numeric/one_point_ransac", r".*", "kMaxPixels"),
+    (r"numeric/fixed_vector", r".*", "kMaxOccupied"),
+    (r"mono/detail/sparse_rows", r".*rows\.size.*|.*size\[run\].*", "kMonoStates"),
+    (r"mono/detail/sparse_rows", r".*(run_count|runs|other).*", "4"),
+    (r"mono/detail/sparse_rows", r".*", "kMonoStates"),
+    (r"mono/detail/.*", r".*anchor.*|.*MaxAnchors.*", "kMaxAnchors"),
+    (r"mono/detail/.*", r".*pairs.*", "kMaxFeatures"),
+    (r"mono/detail/mono_ekf_predict", r".*", "kMonoStates"),
+    (r"mono/detail/.*", r".*(covariance_\.size|layout_|elements|< n).*", "kMonoStates * (kMonoStates + 1) // 2"),
+    (r"mono/", r".*", "kMaxFeatures"),
+    (r"planar/detail/group_iekf", r".*(slot).*", "kMaxLandmarks"),
+    (r"planar/detail/(group_iekf|low_rank|landmark_insertion)", r".*", "kVehicleStates"),
+    (r"planar/detail/landmark_table", r".*", "kMaxLandmarks"),
+    (r"planar/detail/measurement", r".*", "16"),
+    (r"planar/detail/planar_(filter|pixels)", r".*(rows\(\)|cols\(\)|rank|j < i).*", "16"),
+    (r"planar/detail/planar_(filter|pixels)", r".*< n.*", "kVehicleStates"),
+    (r"planar/detail/planar_(filter|pixels)", r".*", "2 * kMaxLandmarks"),
+    (r"planar/", r".*", "kVehicleStates"),
+    (r"runtime/augmenter", r".*", "kMaxObjects"),
+    (r"runtime/detail/", r".*promotions.*", "4"),
+    (r"runtime/detail/", r".*found.*", "kCells"),
+    (r"runtime/detail/", r".*pool_.*", "kMaxCandidates"),
+    (r"runtime/detail/", r".*keyframes_.*", "kMaxKeyframes"),
+    (r"runtime/detail/", r".*", "kMaxLandmarks"),
+    (r"tracking/candidate_filter", r".*", "kCandidateStates"),
+    (r"tracking/candidate_pool", r".*[Kk]eyframe.*", "kMaxKeyframes"),
+    (r"tracking/candidate_pool", r".*step : steps.*", "4"),
+    (r"tracking/candidate_pool", r".*", "kMaxCandidates"),
+    (r"tracking/feature_supply", r".*counts_.*|.*kCells.*", "kCells"),
+    (r"tracking/feature_supply", r".*fast.*", "kCornersPerCell"),
+    (r"tracking/feature_supply", r".*occupied_.*", "kMaxOccupied"),
+    (r"tracking/landmark_search", r".*", "kMaxLandmarks"),
+    (r"tracking/active_search", r".*", "kMaxCorners"),
+    (r"tracking/anchor", r".*samples.*", "kMaxSamples"),
+    (r"tracking/anchor", r".*", "kMaxAnchorPoints"),
+    (r"tracking/line_drawing", r".*", "kMaxImageWidth"),
+    (r"tracking/registration", r".*faces.*|.*planes.*", "kMaxFaces"),
+    (r"tracking/registration", r".*vertices.*", "kMaxVertices"),
+    (r"tracking/registration", r".*edges\.size|.*part\.edges.*", "kMaxEdges"),
+    (r"tracking/registration", r".*parts.*", "kMaxParts"),
+    (r"tracking/registration", r".*piece.*", "kLensPieces * kMaxParts"),
+    (r"tracking/registration", r".*", "kMaxOccupied"),
+    (r"tracking/virtual_object", r".*", "kMaxVertices"),
+    (r"vision/corner_sink", r".*child.*", "8"),
+    (r"vision/corner_sink", r".*", "kCells"),
+    (r"vision/fast_detector", r".*rect\.y0.*", "kCellHeight + 2"),
+    (r"vision/fast_detector", r".*bits.*", "32"),
+    (r"vision/fast_detector", r".*x < 32.*", "32"),
+    (r"vision/fast_detector", r".*", "(kCellWidth + 31) // 32 + 1"),
+    (r"vision/fast_kernel", r".*", "16"),
+    (r"vision/freak", r".*Bytes.*", "16"),
+    (r"vision/freak", r".*", "48"),
+    (r"vision/hamming", r".*", "kMaxCorners"),
+    (r"vision/lanes", r".*height.*", "kWindow"),
+    (r"vision/lanes", r".*", "kWindow"),
+    (r"vision/patch", r".*bits.*|.*bit.*|.*shift.*", "64"),
+    (r"vision/patch", r".*", "kPatchSide + 4"),
+]
+
+
+def capacities(root):
+    """DefaultConfig's."""
+    text = (root / "core/include/cairn/runtime/config.hpp").read_text().split("struct DefaultConfig", 1)[1]
+    body = text.split("};", 1)[0]
+    return {name: int(value) for name, value in re.findall(r"constexpr int (k\w+) = (\d+);", body)}
+
+
+def constants(root):
+    values = capacities(root)
+    waiting = dict(CONSTANTS)
+    while waiting:
+        for name, text in list(waiting.items()):
+            needed = re.findall(r"k[A-Z]\w*", text)
+            if all(other in values for other in needed):
+                values[name] = eval(text, {}, values)
+                del waiting[name]
+    return values
+
+
+FIXED = re.compile(r"\(int \w+ = (\d+); \w+ (<=?) (\d+); (?:\+\+\w+|\w+ \+= \d+)\)")
+
+
+def bound_of(loop):
+    """Expression, or None."""
+    fixed = FIXED.fullmatch(loop.head)
+    if fixed:
+        return str(int(fixed[3]) - int(fixed[1]) + (fixed[2] == "<="))
+    for file, head, bound in RULES:
+        if re.search(file, loop.file) and re.fullmatch(head, loop.head):
+            return bound
+    return None
