@@ -5,14 +5,14 @@
 
 #include "cairn/numeric/math.hpp"
 
-#include "host_sim/planar/gaussian.hpp"
+#include "host_sim/world/gaussian.hpp"
 
 namespace cairn::host {
 namespace {
 
 constexpr int kMostPlacementTries = 1000000;
 
-std::vector<Eigen::Vector2d> draw_map(const SimulationConfig& config, GaussianSource& source) {
+std::vector<Eigen::Vector2d> draw_map(const SimulationConfig& config, GaussianRandom& source) {
   std::vector<Eigen::Vector2d> map;
   const double half = config.field_half_width_m;
   int tries = 0;
@@ -54,7 +54,7 @@ Pose2 path_start(const SimulationConfig& config) {
 
 std::vector<PointSighting> observe(const SimulationConfig& config, const Pose2& truth,
                                    const std::vector<Eigen::Vector2d>& map,
-                                   GaussianSource& source) {
+                                   GaussianRandom& source) {
   std::vector<PointSighting> sightings;
   const Eigen::Matrix2d to_vehicle = rotation2(truth.heading).transpose();
   for (int i = 0; i < static_cast<int>(map.size()); ++i) {
@@ -75,8 +75,9 @@ int SimulationConfig::steps_per_loop() const {
 }
 
 SimulatedRun simulate_run(const SimulationConfig& config, std::uint64_t seed, int run) {
-  GaussianSource map_source(stream_seed(seed, 2 * static_cast<std::uint64_t>(run)));
-  GaussianSource source(stream_seed(seed, 2 * static_cast<std::uint64_t>(run) + 1));
+  GaussianRandom map_source(stream_seed(seed, 2 * static_cast<std::uint64_t>(run)));
+  GaussianRandom source(stream_seed(seed, 2 * static_cast<std::uint64_t>(run) + 1),
+                        kExperimentPhase);
 
   SimulatedRun result;
   result.landmarks = draw_map(config, map_source);

@@ -6,8 +6,8 @@
 
 #include "host_sim/planar/experiment.hpp"
 #include "host_sim/planar/filter.hpp"
-#include "host_sim/planar/gaussian.hpp"
 #include "host_sim/planar/reference/reduced_lifted.hpp"
+#include "host_sim/world/gaussian.hpp"
 
 namespace cairn::host {
 namespace {
@@ -97,8 +97,8 @@ TEST(PlanarExperiment, BandsAreThoseOfTheLiterature) {
   EXPECT_NEAR(average_nees_band(200, 3).high, 3.3489, 2e-3);
 }
 
-TEST(PlanarExperiment, GaussianSourceHasUnitVarianceAndNoMean) {
-  GaussianSource source(3);
+TEST(PlanarExperiment, GaussianRandomHasUnitVarianceAndNoMean) {
+  GaussianRandom source(3);
   double sum = 0.0;
   double squares = 0.0;
   double fourth = 0.0;
@@ -120,7 +120,7 @@ TEST(ReducedLifted, MonomialMomentsAreThoseOfSamples) {
   step.turn_rad = 0.3;
   step.covariance << 0.01, 0.006, 0.006, 0.09;
   const MonomialMoments moments = monomial_moments(step);
-  GaussianSource source(5);
+  GaussianRandom source(5);
   OdometryMonomials mean = OdometryMonomials::Zero();
   Eigen::Matrix<double, 6, 6> second = Eigen::Matrix<double, 6, 6>::Zero();
   constexpr int kSamples = 400000;

@@ -237,6 +237,24 @@ TEST(RecordedRun, FollowsASmallMadeUpDrive) {
   }
 }
 
+TEST(RecordedRun, TimesEveryScanWithTheOdometryBeforeIt) {
+  const Recording recording = made_up_drive(5.0, 0.0);
+  const RecordedRun run = run_recorded(recording, RecordedRunOptions{});
+  ASSERT_EQ(run.steps.size(), recording.scans.size());
+  for (std::size_t i = 0; i < run.steps.size(); ++i) {
+    const RecordedStep& step = run.steps[i];
+    EXPECT_EQ(step.t_s, recording.scans[i].t_s);
+    EXPECT_EQ(step.status, Status::kOk);
+    EXPECT_EQ(step.sightings, 3);
+    EXPECT_EQ(step.landmarks, 3);
+    EXPECT_EQ(step.used, i == 0 ? 0 : 3);
+    EXPECT_GT(step.scan_us, 0.0);
+    if (i > 0) {
+      EXPECT_GT(step.predict_us, 0.0);
+    }
+  }
+}
+
 TEST(RecordedRun, FindsItsWayBackAfterAJumpThatTheGateRefused) {
   Recording recording = made_up_drive(12.0, 1.5);
   recording.noise.range_sigma_m = 0.03;

@@ -12,6 +12,8 @@
 #include "cairn/numeric/math.hpp"
 
 #include "host_sim/run/build_info.hpp"
+#include "host_sim/run/names.hpp"
+#include "host_sim/run/statistics.hpp"
 
 namespace cairn::host {
 namespace {
@@ -86,6 +88,48 @@ void write_map(const Recording& recording, const RecordedRun& run, const fs::pat
   }
 }
 
+/// A step's odometry is the paper's prediction, its scan the paper's pose update; there is no
+/// image.
+void write_frames(const RecordedRun& run, const fs::path& out) {
+  auto file = fmt::output_file((out / "frames.csv").string());
+  file.print(
+      "frame,t_us,status,preprocess_ms,pose_prediction_ms,features_ms,pose_update_ms,render_ms,"
+      "total_ms,corners,candidates,matches,inliers,landmarks,registration_px\n");
+  int frame = 0;
+  for (const auto& step : run.steps) {
+    file.print("{},{},{},0,{:.6f},0,{:.6f},0,{:.6f},0,{},{},{},{},\n", frame++,
+               std::llround(step.t_s * 1e6), cairn::to_string(step.status), 1e-3 * step.predict_us,
+               1e-3 * step.scan_us, 1e-3 * (step.predict_us + step.scan_us), step.sightings,
+               step.matches, step.used, step.landmarks);
+  }
+}
+
+json latency_json(const std::vector<double>& values_ms, double budget_ms) {
+  const Statistics s = statistics_of(values_ms);
+  return {{"p50", s.p50},       {"p95", s.p95},
+          {"p99", s.p99},       {"max", s.max},
+          {"mean", s.mean},     {"over_budget", share_above(values_ms, budget_ms)},
+          {"budget", budget_ms}};
+}
+
+json latency_of(const RecordedRun& run, double budget_ms) {
+  std::vector<double> totals;
+  std::vector<double> stages[kStageCount];
+  for (const auto& step : run.steps) {
+    const double predict_ms = 1e-3 * step.predict_us;
+    const double scan_ms = 1e-3 * step.scan_us;
+    totals.push_back(predict_ms + scan_ms);
+    for (int i = 0; i < kStageCount; ++i) stages[i].push_back(0.0);
+    stages[static_cast<int>(Stage::kPosePrediction)].back() = predict_ms;
+    stages[static_cast<int>(Stage::kPoseUpdate)].back() = scan_ms;
+  }
+  json latency = latency_json(totals, budget_ms);
+  for (int i = 0; i < kStageCount; ++i) {
+    latency["stages"][kStageRows[i].key] = latency_json(stages[i], kStageRows[i].paper_iekf_ms);
+  }
+  return latency;
+}
+
 void write_json(const json& document, const fs::path& path) {
   std::ofstream(path) << document.dump(2) << '\n';
 }
@@ -154,15 +198,17 @@ void draw(const fs::path& out) {
 
 }  // namespace
 
-json recorded_summary(const Recording& recording, const RecordedRun& run) {
+json recorded_summary(const Recording& recording, const RecordedRunOptions& options,
+                      const RecordedRun& run) {
   const RecordedErrors e = recorded_errors(recording, run);
   const bool heading = recording.truth_has_heading;
   json summary;
-  summary["frames"] = run.samples.size();
-  summary["tracked"] = run.samples.size();
+  summary["frames"] = run.steps.size();
+  summary["tracked"] = run.steps.size();
+  summary["samples"] = run.samples.size();
   summary["lost"] = 0;
   summary["relocalised"] = run.health.reacquisitions;
-  summary["latency_ms"] = nullptr;
+  summary["latency_ms"] = latency_of(run, options.budget_ms);
   summary["trajectory"] = {
       {"aligned", heading ? "start" : "se2"},
       {"ate_rmse_m", heading ? e.position_rmse_m : e.aligned_rmse_m},
@@ -208,7 +254,8 @@ void write_recorded_run(const Recording& recording, const RecordedRunOptions& op
   write_manifest(recording, options, command_line, out);
   write_trajectories(run, out);
   write_map(recording, run, out);
-  write_json(recorded_summary(recording, run), out / "summary.json");
+  write_frames(run, out);
+  write_json(recorded_summary(recording, options, run), out / "summary.json");
   draw(out);
 }
 

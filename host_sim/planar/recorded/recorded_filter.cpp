@@ -77,7 +77,7 @@ class CoreFilter final : public RecordedFilter {
     }
   }
   Health health() const override { return filter_->health(); }
-  int state_size() const override { return filter_->state_size(); }
+  int landmark_count() const override { return filter_->landmark_count(); }
 
  private:
   std::unique_ptr<Filter> filter_;

@@ -55,7 +55,7 @@ class RecordedFilter {
   /// Mean positions alone: cheap enough for every scan.
   virtual void positions(std::vector<LandmarkPosition>& map) const = 0;
   virtual Health health() const = 0;
-  virtual int state_size() const = 0;
+  virtual int landmark_count() const = 0;
 };
 
 /// `group-iekf`, `lifted-iekf` or `ekf` with room for 32 landmarks, or for 768 (not lifted-iekf:

@@ -24,6 +24,7 @@ ExitCode run(const Recording& recording, const RunOptions& options) {
   RecordedRunOptions recorded;
   recorded.filter = options.filter.empty() ? "group-iekf" : options.filter;
   recorded.seed = options.seed;
+  recorded.budget_ms = options.budget_ms;
   recorded.start_heading_variance = options.start_heading_variance;
   recorded.start_position_variance = options.start_position_variance;
   if (options.max_frames) recorded.longest_s = 0.1 * (*options.max_frames - 1);

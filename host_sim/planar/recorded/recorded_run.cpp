@@ -7,8 +7,8 @@
 
 #include "cairn/numeric/math.hpp"
 
-#include "host_sim/planar/gaussian.hpp"
 #include "host_sim/planar/statistics.hpp"
+#include "host_sim/world/gaussian.hpp"
 
 namespace cairn::host {
 namespace {
@@ -21,18 +21,19 @@ constexpr double kLargestTruthGap = 0.25;
 constexpr double kKnownStartVariance = 1e-6;
 constexpr double kLargestStep = 1.0;  ///< longer gaps of odometry are integrated in pieces
 
+/// Adds the wall time of its life to `spent_us`.
 class Timer {
  public:
-  explicit Timer(StepTimes& times) : times_(times), start_(Clock::now()) {}
+  explicit Timer(double& spent_us) : spent_us_(spent_us), start_(Clock::now()) {}
   ~Timer() {
-    const std::chrono::duration<float, std::micro> spent = Clock::now() - start_;
-    times_.values_us.push_back(spent.count());
+    const std::chrono::duration<double, std::micro> spent = Clock::now() - start_;
+    spent_us_ += spent.count();
   }
   Timer(const Timer&) = delete;
   Timer& operator=(const Timer&) = delete;
 
  private:
-  StepTimes& times_;
+  double& spent_us_;
   Clock::time_point start_;
 };
 
@@ -55,7 +56,7 @@ class Runner {
       if (next > end + kSameInstant) break;
       propagate_to(next);
       while (next_odometry() <= now_ + kSameInstant) ++odometry_;
-      while (next_scan() <= now_ + kSameInstant) use_scan(recording_.scans[scan_++]);
+      while (next_scan() <= now_ + kSameInstant) take_scan(recording_.scans[scan_++]);
       if (sample_t <= now_ + kSameInstant) {
         take_sample(sample_t);
         sample_t = static_cast<double>(++sample_count_) * kSamplePeriod;
@@ -75,7 +76,7 @@ class Runner {
       pose.position = truth.position;
       pose.heading = truth.heading;
     }
-    GaussianSource source(stream_seed(options_.seed, 0));
+    GaussianRandom source(stream_seed(options_.seed, 0), kExperimentPhase);
     const auto draw = [&source](const std::optional<double>& variance) {
       const double normal = source.normal();
       return variance ? normal * std::sqrt(*variance) : 0.0;
@@ -107,21 +108,36 @@ class Runner {
                                             IncrementModel::kExactArc);
       increment.covariance = dt * sample.density;
       increment.covariance(1, 0) = increment.covariance(0, 1);
+      double spent_us = 0.0;
       {
-        const Timer timer(run_.predict);
+        const Timer timer(spent_us);
         note(filter_->predict(increment));
         if (recording_.slip_density > 0.0) {
           note(filter_->widen_pose(recording_.slip_density * dt, 0.0));
         }
       }
+      run_.predict.values_us.push_back(static_cast<float>(spent_us));
+      step_.predict_us += spent_us;
       now_ += dt;
     }
     now_ = t;
   }
 
+  void take_scan(const RecordedScan& scan) {
+    {
+      const Timer timer(step_.scan_us);
+      use_scan(scan);
+    }
+    step_.t_s = scan.t_s;
+    step_.sightings = static_cast<int>(scan.sightings.size());
+    step_.landmarks = filter_->landmark_count();
+    run_.sightings += step_.sightings;
+    run_.scan.values_us.push_back(static_cast<float>(step_.scan_us));
+    run_.steps.push_back(step_);
+    step_ = RecordedStep{};
+  }
+
   void use_scan(const RecordedScan& scan) {
-    run_.sightings += static_cast<std::int64_t>(scan.sightings.size());
-    const Timer timer(run_.scan);
     AssociatedScan associated;
     if (recording_.known_landmarks) {
       for (const auto& sighting : scan.sightings) {
@@ -144,6 +160,8 @@ class Runner {
       note(filter_->update(associated.known, recording_.sensor_offset_m, report));
       run_.nis_sum += report.nis;
       run_.nis_dof += report.nis_dof;
+      step_.matches = report.matches;
+      step_.used = report.nis_dof / 2;
     }
     for (const auto& observation : associated.promoted) {
       if (filter_->knows(observation.id)) continue;  // seen twice in its first scan
@@ -172,7 +190,9 @@ class Runner {
   }
 
   void note(Status status) {
-    if (!ok(status)) ++run_.refused_calls;
+    if (ok(status)) return;
+    ++run_.refused_calls;
+    step_.status = status;
   }
 
   const Recording& recording_;
@@ -180,6 +200,7 @@ class Runner {
   std::unique_ptr<RecordedFilter> filter_;
   Associator associator_;
   RecordedRun run_;
+  RecordedStep step_;
   double now_ = 0.0;
   std::size_t odometry_ = 0;
   std::size_t scan_ = 0;

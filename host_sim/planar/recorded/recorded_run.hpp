@@ -19,6 +19,7 @@ struct RecordedRunOptions {
   std::optional<double> start_position_variance;
   std::optional<double> start_heading_variance;
   std::optional<double> longest_s;
+  double budget_ms = 41.57;  ///< of a step, for the summary
   double noise_scale = 1.0;  ///< of the sightings' sigmas, to test wrong settings
   PlanarParameters<double> parameters;
   AssociationParameters association;
@@ -32,6 +33,18 @@ struct RecordedSample {
   double nees = 0.0;  ///< 0 without a true heading
 };
 
+/// One scan and the odometry before it: a row of frames.csv.
+struct RecordedStep {
+  double t_s = 0.0;
+  Status status = Status::kOk;  ///< of the last call that the filter refused, if any
+  double predict_us = 0.0;      ///< odometry since the scan before
+  double scan_us = 0.0;         ///< association, update and new landmarks
+  int sightings = 0;
+  int matches = 0;  ///< sightings of landmarks in the state
+  int used = 0;     ///< of these, inside the gate
+  int landmarks = 0;
+};
+
 /// Wall time of one kind of step, microseconds.
 struct StepTimes {
   std::vector<float> values_us;
@@ -41,6 +54,7 @@ struct StepTimes {
 
 struct RecordedRun {
   std::vector<RecordedSample> samples;
+  std::vector<RecordedStep> steps;
   std::vector<MappedLandmark> landmarks;
   double nis_sum = 0.0;
   std::int64_t nis_dof = 0;
