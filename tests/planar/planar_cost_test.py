@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Instructions per update cycle of the planar filters, counted by callgrind.
 
-In float, the scalar of the boards, GroupIekfSlam may cost at most as much as EkfSlam (paper A reports
-1.197 for its filter). Double and the lifted filter are printed, not judged. Exit code 77: valgrind is
-missing.
+GroupIekfSlam may cost at most as much as EkfSlam (paper A reports 1.197 for its filter); in double, where
+60 landmarks are within 0.2 % of it, another compiler may miss by 1 %. The lifted filter is printed, not
+judged. Exit code 77: valgrind is missing.
 """
 import argparse
 import re
@@ -12,6 +12,7 @@ import subprocess
 import sys
 
 CYCLES = 10
+LIMIT = {"float": 1.0, "double": 1.01}
 
 
 def instructions(program, name, landmarks, scalar):
@@ -37,7 +38,7 @@ def main():
                                   for name in ("ekf", "group", "lifted"))
             print(f"{scalar:6} {landmarks:9} {ekf:8.0f} {group:8.0f} {group / ekf:6.3f} "
                   f"{lifted:8.0f} {lifted / ekf:6.2f}", flush=True)
-            failed = failed or (scalar == "float" and group > ekf)
+            failed = failed or group > LIMIT[scalar] * ekf
     return 1 if failed else 0
 
 

@@ -342,17 +342,86 @@ TYPED_TEST(PlanarFilter, LeavesAGateThatShutGoodDataOut) {
   }
 }
 
+/// Refused updates count, predictions do not: thirty odometry steps between two updates widen as
+/// often as one, and a filter that is shown nothing is left alone.
+TYPED_TEST(PlanarFilter, WidensByRefusedUpdatesNotByPredictions) {
+  this->run(0, 300);
+  const LandmarkId id = this->filter_.landmark_id(0);
+  const Vector2<double> wrong = this->expected(0) + Vector2<double>(4.0, -4.0);
+  PlanarIncrement<double> still;
+  still.covariance = 1e-10 * Matrix2<double>::Identity();
+  PointObservation<double> o;
+  o.id = id;
+  o.y = wrong;
+  o.R = 1e-4 * Matrix2<double>::Identity();
+  std::uint32_t widened[2] = {};
+  for (const int predictions : {1, 30}) {
+    TypeParam filter = this->filter_;
+    UpdateReport report;
+    for (int k = 0; k < 13; ++k) {
+      for (int i = 0; i < predictions; ++i) ASSERT_TRUE(ok(filter.predict(still)));
+      ASSERT_TRUE(ok(filter.update_points({&o, 1}, report)));
+      ASSERT_EQ(report.gated, 1);
+    }
+    for (int i = 0; i < 100; ++i) {
+      ASSERT_TRUE(ok(filter.predict(still)));
+      ASSERT_TRUE(ok(filter.update_points({&o, 0}, report)));
+    }
+    widened[predictions == 1 ? 0 : 1] = filter.health().reacquisitions;
+  }
+  // The first refusal is no repetition: the 11th, 12th and 13th update ask for a step.
+  EXPECT_EQ(widened[0], 3U);
+  EXPECT_EQ(widened[1], 3U);
+}
+
+/// Feeds `updates` that use `used` landmarks and refuse `again`; how many steps they ask for.
+int steps_asked(detail::Reacquisition& reacquisition, int updates, int used, int again) {
+  int asked = 0;
+  for (int k = 0; k < updates; ++k) {
+    reacquisition.note(used, again, 10, 6);
+    if (reacquisition.take()) ++asked;
+  }
+  return asked;
+}
+
+TEST(Reacquisition, AsksForABoundedNumberOfSteps) {
+  detail::Reacquisition reacquisition;
+  EXPECT_EQ(steps_asked(reacquisition, 9, 1, 3), 0);
+  EXPECT_EQ(steps_asked(reacquisition, 1, 2, 2), 0);  // as many accepted as refused: from zero
+  EXPECT_EQ(steps_asked(reacquisition, 9, 1, 3), 0);
+  EXPECT_EQ(steps_asked(reacquisition, 5, 0, 0), 0);  // nothing seen: neither counts nor ends it
+  EXPECT_EQ(steps_asked(reacquisition, 1, 1, 3), 1);
+  EXPECT_EQ(steps_asked(reacquisition, 1000, 1, 3), 6);
+  EXPECT_FALSE(reacquisition.accepted());
+  EXPECT_EQ(steps_asked(reacquisition, 1, 3, 0), 0);
+  EXPECT_TRUE(reacquisition.accepted());
+  EXPECT_EQ(steps_asked(reacquisition, 9, 1, 3), 0);
+  EXPECT_EQ(steps_asked(reacquisition, 1, 1, 3), 1);
+}
+
+TEST(Reacquisition, TrustsOnlyAsManyAcceptedUpdatesAsItTookRefusedOnes) {
+  detail::Reacquisition reacquisition;
+  EXPECT_EQ(steps_asked(reacquisition, 12, 1, 3), 3);
+  EXPECT_EQ(steps_asked(reacquisition, 9, 2, 0), 0);
+  EXPECT_EQ(steps_asked(reacquisition, 2, 1, 3), 2);  // goes on where it was
+  EXPECT_EQ(reacquisition.steps(), 5);
+  EXPECT_EQ(steps_asked(reacquisition, 10, 2, 0), 0);
+  EXPECT_EQ(reacquisition.steps(), 0);
+  EXPECT_EQ(steps_asked(reacquisition, 9, 1, 3), 0);
+}
+
 /// A landmark that was moved is followed after a while; the pose does not suffer.
 TYPED_TEST(PlanarFilter, FollowsALandmarkThatWasMoved) {
   WorldSettings s;
   s.position_variance = 1e-4;
   s.heading_variance = 1e-5;
-  Drive d = make_drive(23, s);
+  s.loops = 4;
+  const Drive d = make_drive(23, s);
   TypeParam filter;
   ASSERT_TRUE(ok(start(filter, d)));
   const Eigen::Vector2d shift(0.9, -0.7);
   LandmarkId moved = kNoLandmark;
-  for (int k = 0; k < 1600; ++k) {
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
     Step step = d.steps[k];
     if (k == 800) moved = filter.landmark_id(0);
     for (Sighting& sighting : step.sightings) {

@@ -48,10 +48,10 @@ class EkfSlam : public detail::WorldFrameFilter<EkfSlam<T, MaxLandmarks, Landmar
   void relative_columns(int slot, T* c0, T* c1, T* c2) const;
   void begin_update() {}
   void add_pending_now() {}
-  int pending(const T**, const T**) const { return 0; }
+  const T* pending() const { return nullptr; }
   void pending_done() {}
-  bool pending_column(const typename Base::Pair&, T*, T*, const T**, T&, T&, T&, T&, T&) const {
-    return false;
+  const T* pending_column(const typename Base::Pair&, T*, T*, T&, T&, T&, T&, T&) const {
+    return nullptr;
   }
   void hash_pending(Hash64&) const {}
   T pending_covariance(int, int) const { return T(0); }

@@ -62,10 +62,10 @@ class GroupIekfSlam : public detail::WorldFrameFilter<GroupIekfSlam<T, MaxLandma
   void relative_covariance(int slot, detail::RelativeCovariance<T>& out) const;
   void relative_columns(int slot, T* c0, T* c1, T* c2) const;
   void begin_update();
-  int pending(const T** rows, const T** columns) const;
+  const T* pending() const { return pending_ ? b_ : nullptr; }
   void pending_done();
-  bool pending_column(const typename Base::Pair& pair, T* g0, T* g1, const T** e, T& f0, T& f1,
-                      T& s00, T& s01, T& s11) const;
+  const T* pending_column(const typename Base::Pair& pair, T* g0, T* g1, T& f0, T& f1, T& s00,
+                          T& s01, T& s11) const;
   void hash_pending(Hash64& hash) const;
   T pending_covariance(int i, int j) const;
   Trial begin_trial(const T* d) const;
@@ -77,10 +77,12 @@ class GroupIekfSlam : public detail::WorldFrameFilter<GroupIekfSlam<T, MaxLandma
 
   Matrix3<T> W_ = Matrix3<T>::Zero();  ///< odometry noise since the last pass over P
   bool pending_ = false;
-  T b_[Base::kStates] = {};   ///< first column of B: 1, 0, 0, -J p_i
-  T wb_[Base::kStates] = {};  ///< B's share of W on the other side
+  /// W = b b^T + [0, 0; 0, rest_] with b = W e_0 / sqrt(W_00): of begin_update(), B b.
+  T b_[Base::kStates] = {};
+  T rest_[3] = {};  ///< 00, 10, 11
 };
 
 }  // namespace cairn
 
 #include "cairn/planar/detail/group_iekf_slam_impl.hpp"
+#include "cairn/planar/detail/group_read_out_impl.hpp"

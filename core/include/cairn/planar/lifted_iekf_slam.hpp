@@ -68,10 +68,10 @@ class LiftedIekfSlam
   void relative_covariance(int slot, detail::RelativeCovariance<T>& out) const;
   void relative_columns(int slot, T* c0, T* c1, T* c2) const;
   void begin_update() {}
-  int pending(const T**, const T**) const { return 0; }
+  const T* pending() const { return nullptr; }
   void pending_done() {}
-  bool pending_column(const typename Base::Pair&, T*, T*, const T**, T&, T&, T&, T&, T&) const {
-    return false;
+  const T* pending_column(const typename Base::Pair&, T*, T*, T&, T&, T&, T&, T&) const {
+    return nullptr;
   }
   Trial begin_trial(const T*) const { return {}; }
   void relative_after(int slot, const T* d, const Trial&, T* out) const;
@@ -102,3 +102,4 @@ class LiftedIekfSlam
 }  // namespace cairn
 
 #include "cairn/planar/detail/lifted_iekf_slam_impl.hpp"
+#include "cairn/planar/detail/lifted_landmarks_impl.hpp"

@@ -61,15 +61,17 @@ struct PlanarParameters {
   /// Mahalanobis gate of one landmark's two innovations (chi-square, 2 degrees of freedom, 99.9 %).
   T gate = T(13.82);
 
-  /// Re-acquisition: after this many updates in a row that refused more than half of their
-  /// landmarks, every following prediction adds pose noise, twice the standard deviation each time,
-  /// until most are accepted again. A landmark that alone is refused that often gets position noise
-  /// in the same way. 0 switches both off.
+  /// Re-acquisition: after this many updates in a row that refused, again, more landmarks than they
+  /// used, the next prediction adds pose noise; twice the standard deviation after each further one,
+  /// until as many in a row are accepted. 0 switches it off, for landmarks too.
   int reacquire_after = 10;
   int reacquire_steps = 6;            ///< doublings at most
   T reacquire_position_m = T(0.05);   ///< first step, standard deviation per axis
   T reacquire_heading_rad = T(0.01);  ///< first step, standard deviation
-  T reacquire_landmark_m = T(0.05);   ///< first step, standard deviation per axis
+  /// A landmark refused this many times in a row by updates that are accepted was moved: it gets
+  /// position noise in the same way.
+  int reacquire_landmark_after = 40;
+  T reacquire_landmark_m = T(0.05);  ///< first step, standard deviation per axis
 
   /// A full map replaces the landmark that was not used for the largest number of updates, when
   /// that number is at least this (then the one seen least, then the lowest slot). 0: never.

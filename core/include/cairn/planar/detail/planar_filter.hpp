@@ -7,6 +7,7 @@
 #include "cairn/planar/detail/landmark_table.hpp"
 #include "cairn/planar/detail/low_rank.hpp"
 #include "cairn/planar/detail/measurement.hpp"
+#include "cairn/planar/detail/reacquisition.hpp"
 #include "cairn/planar/increment.hpp"
 
 namespace cairn::detail {
@@ -107,7 +108,6 @@ class PlanarFilter {
 
  protected:
   using Pair = MeasurementPair<T, LandmarkDim>;
-  static constexpr int kBatch = 4;
 
   Derived& derived() { return static_cast<Derived&>(*this); }
   const Derived& derived() const { return static_cast<const Derived&>(*this); }
@@ -131,6 +131,10 @@ class PlanarFilter {
  private:
   friend Derived;
 
+  template <class Observation, class Check>
+  Status check_observations(Span<Observation> observations, Check check);
+  template <class Observation, class Linearise>
+  void update_with(Span<Observation> observations, Linearise linearise, UpdateReport& report);
   bool admit(const Pair& pair, const RelativeCovariance<T>& relative, T gate, UpdateReport& report);
   void refuse(int slot, UpdateReport& report);
   void conclude(int used, UpdateReport& report);
@@ -154,16 +158,14 @@ class PlanarFilter {
              UpdateReport& report);
 
   std::uint32_t updates_ = 0;
-  int refused_in_row_ = 0;
-  int widen_step_ = 0;
-  bool widen_next_ = false;
+  Reacquisition reacquisition_;
 
   // Scratch of one update: members, not locals, so that the stack stays small.
   Pair pairs_[kMaxObservations];
   InnovationCovariance<T> prior_[kMaxObservations];  ///< of the pixel candidates
   int refused_[kMaxObservations] = {};
   int refused_count_ = 0;
-  T w_[kBatch][kStates] = {};
+  T w_[kMostRank][kStates] = {};
   T third_[kStates] = {};
   T d_[kStates] = {};
 };
@@ -172,3 +174,4 @@ class PlanarFilter {
 
 #include "cairn/planar/detail/planar_filter_impl.hpp"
 #include "cairn/planar/detail/planar_pixels_impl.hpp"
+#include "cairn/planar/detail/planar_update_impl.hpp"

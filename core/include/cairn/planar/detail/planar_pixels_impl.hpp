@@ -218,10 +218,11 @@ Status CAIRN_PLANAR_FILTER::update_pixels(const PinholeCamera<T>& camera,
     report.hypotheses = best.hypotheses;
     if (!best.consensus) {
       ++health_.ransac_no_consensus;
-      refused_count_ = 0;
-      // The next prediction may widen the pose, this call may not. Too few matches prove nothing.
-      if (parameters_.reacquire_after > 0 && report.matches >= parameters_.ransac.min_support) {
-        widen_next_ = ++refused_in_row_ >= parameters_.reacquire_after;
+      // A gate that refuses most matches is evidence, matches that disagree are none. The next
+      // prediction may widen the pose, this call may not.
+      if (parameters_.reacquire_after > 0 && refused_count_ > candidates) {
+        reacquisition_.note(candidates, refused_count_, parameters_.reacquire_after,
+                            parameters_.reacquire_steps);
       }
       return Status::kNoConsensus;
     }
@@ -247,6 +248,3 @@ Status CAIRN_PLANAR_FILTER::update_pixels(const PinholeCamera<T>& camera,
 }
 
 }  // namespace cairn::detail
-
-#undef CAIRN_PLANAR_TEMPLATE
-#undef CAIRN_PLANAR_FILTER

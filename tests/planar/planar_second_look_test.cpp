@@ -1,0 +1,110 @@
+// update_pixels() looks again from the best hypothesis: landmarks that have no pixel there.
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "cairn/planar/ekf_slam.hpp"
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/planar/lifted_iekf_slam.hpp"
+
+namespace cairn {
+namespace {
+
+PinholeCamera<double> wide_camera() {
+  PinholeCamera<double> camera;
+  camera.fx = 300;
+  camera.fy = 300;
+  camera.cx = 320;
+  camera.cy = 240;
+  camera.width = 640;
+  camera.height = 480;
+  return camera;
+}
+
+/// Looks along the vehicle's x axis.
+Rigid<double> looking_forward() {
+  Eigen::Matrix3d rotation;
+  rotation << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  Rigid<double> T_vehicle_camera;
+  T_vehicle_camera.rotation = Quaternion<double>(rotation);
+  return T_vehicle_camera;
+}
+
+/// A vehicle that is 3 cm ahead of where its filter has it (10 cm standard deviation). The first
+/// landmark is 31 cm away for the filter and 28 cm in truth, nearer than the 30 cm that a pixel row
+/// is good for.
+template <class Filter>
+class SecondLook : public ::testing::Test {
+ protected:
+  static constexpr double kAhead = 0.03;
+  static constexpr double kVariance = 0.01;
+  static constexpr int kNear = 0;
+
+  void SetUp() override {
+    PlanarParameters<double> parameters;
+    parameters.ransac.min_support = 1;
+    const Matrix3<double> known = 1e-10 * Matrix3<double>::Identity();
+    ASSERT_TRUE(ok(filter_.initialise({}, known, parameters)));
+    const Matrix3<double> noise = 1e-8 * Matrix3<double>::Identity();
+    for (std::size_t i = 0; i < landmarks_.size(); ++i) {
+      ASSERT_TRUE(ok(filter_.add_landmark(static_cast<LandmarkId>(i + 1), landmarks_[i], noise)));
+    }
+    ASSERT_TRUE(ok(filter_.widen_pose(kVariance, 1e-6)));
+  }
+
+  PixelMatch<double> match(int landmark) const {
+    const Vector3<double> from_truth =
+        landmarks_[static_cast<std::size_t>(landmark)] - Vector3<double>(kAhead, 0.0, 0.0);
+    PixelMatch<double> match;
+    match.id = static_cast<LandmarkId>(landmark + 1);
+    EXPECT_TRUE(ok(camera_.project(looking_forward().inverse() * from_truth, match.pixel)));
+    return match;
+  }
+
+  UpdateReport update(PixelMatch<double>* matches, int count) {
+    UpdateReport report;
+    Random random(1);
+    EXPECT_EQ(filter_.update_pixels(camera_, looking_forward(), 1.0, matches, count, random, report),
+              Status::kOk);
+    return report;
+  }
+
+  const std::array<Vector3<double>, 4> landmarks_ = {
+      {{0.31, 0.05, 0.02}, {2.0, 0.5, 0.9}, {2.0, -0.8, 0.7}, {2.5, 0.3, -1.1}}};
+  PinholeCamera<double> camera_ = wide_camera();
+  Filter filter_;
+};
+
+using Filters = ::testing::Types<EkfSlam<double, 8, 3>, GroupIekfSlam<double, 8, 3>,
+                                 LiftedIekfSlam<double, 8, 3>>;
+TYPED_TEST_SUITE(SecondLook, Filters);
+
+TYPED_TEST(SecondLook, LeavesOutWhatHasNoPixelAndUsesTheOthersOnce) {
+  std::array<PixelMatch<double>, 4> matches = {this->match(0), this->match(1), this->match(2),
+                                               this->match(3)};
+  const UpdateReport report = this->update(matches.data(), 4);
+  EXPECT_EQ(report.low_innovation, 3);
+  EXPECT_EQ(report.high_innovation, 0);
+  EXPECT_EQ(report.gated, 1);
+  EXPECT_EQ(report.nis_dof, 6);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(matches[static_cast<std::size_t>(i)].inlier, i != this->kNear);
+    EXPECT_EQ(this->filter_.landmark_statistics(i).seen, i == this->kNear ? 1U : 2U);
+  }
+  EXPECT_NEAR(this->filter_.pose().position.x(), this->kAhead, 0.005);
+}
+
+/// The only supporter is lost at the hypothesis: the mean goes back to the prediction, where the
+/// landmark has a pixel and is used after all.
+TYPED_TEST(SecondLook, GoesBackToThePredictionWhenNoSupporterIsLeft) {
+  PixelMatch<double> match = this->match(this->kNear);
+  const UpdateReport report = this->update(&match, 1);
+  EXPECT_EQ(report.low_innovation, 0);
+  EXPECT_EQ(report.high_innovation, 1);
+  EXPECT_TRUE(match.inlier);
+  EXPECT_NEAR(this->filter_.pose().position.x(), this->kAhead, 0.01);
+  EXPECT_LT(this->filter_.pose_covariance()(0, 0), 0.1 * this->kVariance);
+}
+
+}  // namespace
+}  // namespace cairn
