@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <unistd.h>
@@ -27,6 +28,8 @@ struct ConsistencyOptions {
   double position_variance = 1.0;
   std::string odometry_noise = "s1";
   std::optional<double> steering_noise_deg;
+  NoisePoint noise_point = NoisePoint::kReading;
+  double steady_s = 0.3;
   std::vector<std::string> filters{"ekf", "reduced-jacobian", "group-iekf"};
   std::uint64_t seed = 1;
   int threads = 0;
@@ -65,6 +68,8 @@ ExperimentConfig make_config(const ConsistencyOptions& options) {
   const bool base = options.odometry_noise == "base";
   simulation.speed_sigma_mps = base ? 0.05 : 0.1;
   simulation.steering_sigma_rad = options.steering_noise_deg.value_or(base ? 2.0 : 5.0) * kDegree;
+  simulation.noise_point = options.noise_point;
+  simulation.steady_s = options.steady_s;
   return config;
 }
 
@@ -130,6 +135,17 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
       .add_option("--steering-noise", options.steering_noise_deg,
                   "Standard deviation of the steering angle, deg, in place of the set's")
       ->check(CLI::Range(0.0, 45.0));
+  const std::map<std::string, NoisePoint> points = {{"reading", NoisePoint::kReading},
+                                                    {"steady", NoisePoint::kSteady},
+                                                    {"truth", NoisePoint::kTruth}};
+  command
+      .add_option("--noise-at", options.noise_point,
+                  "Where odometry noise is linearised: reading (default), steady, truth")
+      ->transform(CLI::CheckedTransformer(points));
+  command
+      .add_option("--steady-s", options.steady_s, "Low pass of the readings for --noise-at steady, s")
+      ->check(CLI::Range(0.0, 60.0))
+      ->capture_default_str();
   command.add_option("--filters", options.filters, "Filters, separated by commas")
       ->delimiter(',')
       ->capture_default_str();

@@ -151,6 +151,7 @@ bool same_experiment(const ExperimentConfig& a, const ExperimentConfig& b) {
   return a.runs == b.runs && a.seed == b.seed && a.filters == b.filters &&
          a.shard.count == b.shard.count && p.landmarks == q.landmarks &&
          p.speed_sigma_mps == q.speed_sigma_mps && p.steering_sigma_rad == q.steering_sigma_rad &&
+         p.noise_point == q.noise_point && p.steady_s == q.steady_s &&
          p.position_variance_m2 == q.position_variance_m2 &&
          p.heading_variance_rad2 == q.heading_variance_rad2 && p.loops == q.loops;
 }

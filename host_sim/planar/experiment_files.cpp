@@ -14,12 +14,17 @@
 #include "host_sim/planar/operation_count.hpp"
 
 namespace cairn::host {
+
+NLOHMANN_JSON_SERIALIZE_ENUM(NoisePoint, {{NoisePoint::kReading, "reading"},
+                                          {NoisePoint::kSteady, "steady"},
+                                          {NoisePoint::kTruth, "truth"}})
+
 namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr int kPartialVersion = 1;
+constexpr int kPartialVersion = 2;
 
 std::ofstream open_for_writing(const fs::path& path) {
   std::ofstream file(path, std::ios::binary);
@@ -74,6 +79,8 @@ json configuration_json(const ExperimentConfig& config) {
           {"loops", s.loops},
           {"speed_sigma_mps", s.speed_sigma_mps},
           {"steering_sigma_rad", s.steering_sigma_rad},
+          {"noise_at", s.noise_point},
+          {"steady_s", s.steady_s},
           {"observation_sigma_m", s.observation_sigma_m},
           {"position_variance_m2", s.position_variance_m2},
           {"heading_variance_rad2", s.heading_variance_rad2}};
@@ -132,6 +139,8 @@ ExperimentResult parse_partial(const json& document) {
   c.at("loops").get_to(config.simulation.loops);
   c.at("speed_sigma_mps").get_to(config.simulation.speed_sigma_mps);
   c.at("steering_sigma_rad").get_to(config.simulation.steering_sigma_rad);
+  c.at("noise_at").get_to(config.simulation.noise_point);
+  c.at("steady_s").get_to(config.simulation.steady_s);
   c.at("observation_sigma_m").get_to(config.simulation.observation_sigma_m);
   c.at("position_variance_m2").get_to(config.simulation.position_variance_m2);
   c.at("heading_variance_rad2").get_to(config.simulation.heading_variance_rad2);

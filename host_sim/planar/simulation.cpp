@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "cairn/numeric/math.hpp"
+#include "cairn/planar/steady_ackermann.hpp"
 
 #include "host_sim/world/gaussian.hpp"
 
@@ -52,6 +53,17 @@ Pose2 path_start(const SimulationConfig& config) {
   return start;
 }
 
+struct Ackermann {
+  double speed_mps = 0.0;
+  double steering_rad = 0.0;
+};
+
+Increment increment_of(const SimulationConfig& config, SteadyAckermann<double>& odometry,
+                       const Ackermann& motion) {
+  return odometry.increment(motion.speed_mps, motion.steering_rad, config.time_step_s,
+                            config.wheelbase_m, config.speed_sigma_mps, config.steering_sigma_rad);
+}
+
 std::vector<PointSighting> observe(const SimulationConfig& config, const Pose2& truth,
                                    const std::vector<Eigen::Vector2d>& map,
                                    GaussianRandom& source) {
@@ -94,6 +106,9 @@ SimulatedRun simulate_run(const SimulationConfig& config, std::uint64_t seed, in
       result.true_start.heading + source.normal(std::sqrt(config.heading_variance_rad2)));
 
   Pose2 truth = result.true_start;
+  const bool steady = config.noise_point == NoisePoint::kSteady;
+  SteadyAckermann<double> odometry(steady ? config.steady_s : 0.0);
+  SteadyAckermann<double> at_truth(0.0);
   result.steps.resize(static_cast<std::size_t>(config.steps()));
   for (int k = 0; k < config.steps(); ++k) {
     SimulatedStep& step = result.steps[static_cast<std::size_t>(k)];
@@ -101,11 +116,14 @@ SimulatedRun simulate_run(const SimulationConfig& config, std::uint64_t seed, in
     const double turn = path_turn(config, k);
     truth = advance(truth, forward, turn);
     const double steering = std::atan(turn * config.wheelbase_m / forward);
-    const double speed_noise = source.normal(config.speed_sigma_mps);
-    const double steering_noise = source.normal(config.steering_sigma_rad);
-    step.odometry = ackermann_increment(config.speed_mps + speed_noise, steering + steering_noise,
-                                        config.time_step_s, config.wheelbase_m,
-                                        config.speed_sigma_mps, config.steering_sigma_rad);
+    const Ackermann exact = {config.speed_mps, steering};
+    Ackermann reading = exact;
+    reading.speed_mps += source.normal(config.speed_sigma_mps);
+    reading.steering_rad += source.normal(config.steering_sigma_rad);
+    step.odometry = increment_of(config, odometry, reading);
+    if (config.noise_point == NoisePoint::kTruth) {
+      step.odometry.covariance = increment_of(config, at_truth, exact).covariance;
+    }
     step.truth = truth;
     step.has_update = k % config.steps_per_update == 0;
     if (step.has_update) step.sightings = observe(config, truth, result.landmarks, source);

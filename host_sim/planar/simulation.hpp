@@ -7,6 +7,13 @@
 
 namespace cairn::host {
 
+/// Where the covariance of an odometry increment is linearised.
+enum class NoisePoint {
+  kReading,  ///< at the noisy reading itself
+  kSteady,   ///< at readings low-passed over SimulationConfig::steady_s
+  kTruth,    ///< at the true speed and steering: what no vehicle has, the bound
+};
+
 /// The world of paper A, section 4.1: a 20 m x 20 m field of point landmarks, a vehicle with
 /// Ackermann odometry on a closed rounded-square path, Cartesian observations of the landmarks in
 /// range. The paper leaves sensor, rate, wheelbase, speed and map open; the values here are ours.
@@ -26,6 +33,8 @@ struct SimulationConfig {
   double observation_sigma_m = 0.1;
   double speed_sigma_mps = 0.1;
   double steering_sigma_rad = 0.0872664625997165;  ///< 5 degrees
+  NoisePoint noise_point = NoisePoint::kReading;
+  double steady_s = 0.3;
   double position_variance_m2 = 1.0;
   double heading_variance_rad2 = 0.001;
 
