@@ -143,7 +143,8 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
                   "Where odometry noise is linearised: reading (default), steady, truth")
       ->transform(CLI::CheckedTransformer(points));
   command
-      .add_option("--steady-s", options.steady_s, "Low pass of the readings for --noise-at steady, s")
+      .add_option("--steady-s", options.steady_s,
+                  "Low pass of the readings for --noise-at steady, s")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
   command.add_option("--filters", options.filters, "Filters, separated by commas")

@@ -1,7 +1,7 @@
 // update_pixels() looks again from the best hypothesis: landmarks that have no pixel there.
-#include <gtest/gtest.h>
-
 #include <array>
+
+#include <gtest/gtest.h>
 
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
@@ -64,8 +64,9 @@ class SecondLook : public ::testing::Test {
   UpdateReport update(PixelMatch<double>* matches, int count) {
     UpdateReport report;
     Random random(1);
-    EXPECT_EQ(filter_.update_pixels(camera_, looking_forward(), 1.0, matches, count, random, report),
-              Status::kOk);
+    EXPECT_EQ(
+        filter_.update_pixels(camera_, looking_forward(), 1.0, matches, count, random, report),
+        Status::kOk);
     return report;
   }
 

@@ -1,9 +1,9 @@
+#include "cairn/planar/steady_ackermann.hpp"
+
 #include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
-
-#include "cairn/planar/steady_ackermann.hpp"
 
 namespace cairn {
 namespace {

@@ -4,8 +4,8 @@
 
 namespace cairn {
 
-/// Increments of an Ackermann vehicle whose noise is linearised at low-passed readings instead of at
-/// the reading itself. Turn is v dt tan(phi) / L: at a noisy steering reading the covariance of
+/// Increments of an Ackermann vehicle whose noise is linearised at low-passed readings instead of
+/// at the reading itself. Turn is v dt tan(phi) / L: at a noisy steering reading the covariance of
 /// distance and turn has the sign of that reading's own error, which a filter takes for
 /// information.
 template <class T>

@@ -62,8 +62,8 @@ struct PlanarParameters {
   T gate = T(13.82);
 
   /// Re-acquisition: after this many updates in a row that refused, again, more landmarks than they
-  /// used, the next prediction adds pose noise; twice the standard deviation after each further one,
-  /// until as many in a row are accepted. 0 switches it off, for landmarks too.
+  /// used, the next prediction adds pose noise; twice the standard deviation after each further
+  /// one, until as many in a row are accepted. 0 switches it off, for landmarks too.
   int reacquire_after = 10;
   int reacquire_steps = 6;            ///< doublings at most
   T reacquire_position_m = T(0.05);   ///< first step, standard deviation per axis

@@ -231,7 +231,8 @@ void CAIRN_GROUP::relative_columns(int slot, T* __restrict c0, T* __restrict c1,
 }
 
 /// The pending noise's share of two columns, B W (H B)^T with H B = h [-J p, -I], and of S: the
-/// multiple -f of b_, the result, and on the position what `rest_` gives, which goes into g at once.
+/// multiple -f of b_, the result, and on the position what `rest_` gives, which goes into g at
+/// once.
 CAIRN_GROUP_TEMPLATE
 const T* CAIRN_GROUP::pending_column(const typename Base::Pair& pair, T* g0, T* g1, T& f0, T& f1,
                                      T& s00, T& s01, T& s11) const {

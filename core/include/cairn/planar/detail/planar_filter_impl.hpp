@@ -56,8 +56,8 @@ Status CAIRN_PLANAR_FILTER::begin(const PlanarPose<T>& pose, const Matrix3<T>& c
   const PlanarParameters<T>& p = parameters;
   const bool sane =
       p.gate > T(0) && p.ransac_threshold > T(0) && p.rescue_gate > T(0) &&
-      p.reacquire_after >= 0 && p.reacquire_landmark_after >= 1 &&
-      p.reacquire_steps >= 0 && p.reacquire_steps <= 20 && p.reacquire_position_m >= T(0) &&
+      p.reacquire_after >= 0 && p.reacquire_landmark_after >= 1 && p.reacquire_steps >= 0 &&
+      p.reacquire_steps <= 20 && p.reacquire_position_m >= T(0) &&
       p.reacquire_heading_rad >= T(0) && p.reacquire_landmark_m >= T(0) && p.replace_after >= 0 &&
       p.ransac.max_hypotheses >= 1 && p.ransac.probability > 0.0F && p.ransac.probability < 1.0F;
   if (!sane) return Status::kBadConfig;
