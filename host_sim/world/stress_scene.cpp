@@ -165,6 +165,15 @@ const std::vector<NamedStressScene>& named_stress_scenes() {
        "matches of which no two agree"},
       {"scene-cut", "attack=4 attack_from=40 attack_every=2 frames=60",
        "every landmark replaced at once"},
+      {"bred-vehicle",
+       "seed=268363 frames=46 density=39 contrast=92 along=1 step_mm=40 depth_mm=3019 "
+       "turn_after=60 period_us=43943 noise=3 attack=1 attack_size=16 attack_seed=336178 "
+       "lie_mm=-351 turn_sigma=521 speed_sigma=758",
+       "the dearest that a search found for the vehicle"},
+      {"bred-handheld",
+       "frames=46 cell_px=7 contrast=212 step_mm=33 depth_mm=6360 attack=1 attack_seed=1 "
+       "attack_step_mm=399 speed_sigma=1246",
+       "the dearest that a search found for a camera in the hand"},
   };
   return all;
 }

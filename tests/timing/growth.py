@@ -6,8 +6,10 @@ usage: growth.py
 Needs build/host with cairn_sim and build/cortex-m7 with replay_vehicle_large, replay_handheld_large and
 library_cost.
 """
+import importlib.util
 import json
 import math
+import os
 import pathlib
 import subprocess
 import sys
@@ -22,8 +24,13 @@ PAGE = ROOT / "docs/reference/timing-growth.md"
 SCALE = 1e9 / (frame_timing.NANOSECONDS_PER_INSTRUCTION * frame_timing.TICKS_PER_SECOND["cortex-m7"])
 COUNTS = ("corners", "searched", "matches", "inliers", "landmarks")
 # The camera passes a plane: the map grows by what comes into view, to the capacity of the large image.
-GROWING = {"vehicle": "stress:frames=360,step_mm=60", "handheld": "stress:handheld=1,frames=60,step_mm=30"}
-SIZES = [8, 16, 32, 64, 96, 128]
+GROWING = {"vehicle": ["stress:frames=360,step_mm=60"],
+           "handheld": [f"stress:handheld=1,frames=20,step_mm=30,seed={seed}" for seed in range(1, 6)]}
+SIZES = [8, 16, 32, 48, 64, 80, 96, 112]
+LARGE = {"vehicle": 48, "handheld": 24}  # from here on the exponent is also fitted alone
+# From few corners to many, in otherwise the same world.
+CORNERS = [f"stress:handheld=1,frames=24,density={density},contrast={contrast}"
+           for density, contrast in ((6, 120), (15, 160), (40, 200), (100, 255), (200, 255))]
 NEAR = 0.12  # share by which a frame's landmarks may differ from a size
 PAGE_HEAD = """# How a frame's cost grows
 
@@ -34,8 +41,9 @@ Exponents are slopes of straight lines through the logarithms of all frames conc
 
 ## Active landmarks
 
-Images of the large configuration, {inputs}: the map grows from nothing to the capacity (128 landmarks, 50
-features) within one run. Median of the frames whose number of landmarks is within {near:.0f} %.
+Images of the large configuration (128 landmarks, 50 features): a camera passes a plane and the map grows
+from nothing within one run ({inputs}). `landmarks`: in the state when the frame begins; median of the frames
+within {near:.0f} %.
 
 """
 
@@ -63,7 +71,10 @@ def frames_of(target, program, log):
             rows[fields[1]] = dict(zip(frame_timing.STAGES, (int(f) * SCALE for f in fields[2:])))
         elif fields[0] == "counts":
             rows[fields[1]].update(zip(COUNTS, map(int, fields[2:])))
-    return list(rows.values())
+    frames = list(rows.values())
+    for before, frame in zip([{"landmarks": 0}, *frames], frames):
+        frame["at_start"] = before["landmarks"]
+    return frames
 
 
 def exponent(pairs):
@@ -84,14 +95,14 @@ def active(frames):
     page = ["| landmarks | frames | matches | features | pose update | frame | dearest frame |",
             "| ---: | ---: | ---: | ---: | ---: | ---: | ---: |"]
     for size in SIZES:
-        near = [f for f in frames if abs(f["landmarks"] - size) <= NEAR * size]
+        near = [f for f in frames if abs(f["at_start"] - size) <= NEAR * size]
         if not near:
             continue
         page.append(f"| {size} | {len(near)} | {median([f['matches'] for f in near])} | "
                     + " | ".join(f"{median([f[key] for f in near]):,.0f}"
                                  for key in ("features", "pose_update", "frame"))
                     + f" | {max(f['frame'] for f in near):,.0f} |")
-    pairs = [(f["landmarks"], f["frame"]) for f in frames if f["landmarks"] >= SIZES[0]]
+    pairs = [(f["at_start"], f["frame"]) for f in frames if f["at_start"] >= 6]
     return page, pairs
 
 
@@ -104,13 +115,12 @@ def library(target):
 
 
 def draw(panels):
-    try:
-        import matplotlib
-        matplotlib.use("Agg")
-        import matplotlib.pyplot as plt
-    except ImportError:
+    if importlib.util.find_spec("matplotlib") is None:
         print("no picture: python3 has no matplotlib (Debian: python3-matplotlib)")
         return
+    import matplotlib
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
     figure, axes = plt.subplots(2, 2, figsize=(10, 8), constrained_layout=True)
     for axis, (label, series) in zip(axes.flat, panels):
         for name, pairs in series.items():
@@ -127,15 +137,26 @@ def main():
     OUT.mkdir(parents=True, exist_ok=True)
     target = Target(ROOT / "build/cortex-m7")
     page, landmark_pairs, all_frames = [], {}, {}
-    for mode, source in GROWING.items():
-        all_frames[mode] = frames_of(target, f"replay_{mode}_large", record(source))
-        rows, landmark_pairs[mode] = active(all_frames[mode])
-        page += [f"{mode.capitalize()}, exponent {exponent(landmark_pairs[mode]):.2f}:", "", *rows, ""]
+    for mode, sources in GROWING.items():
+        all_frames[mode] = [frame for source in sources
+                            for frame in frames_of(target, f"replay_{mode}_large", record(source))]
+        rows, pairs = active(all_frames[mode])
+        landmark_pairs[mode] = pairs
+        large = exponent([pair for pair in pairs if pair[0] >= LARGE[mode]])
+        page += [f"{mode.capitalize()}, exponent {exponent(pairs):.2f}; from {LARGE[mode]} landmarks on {large:.2f}:", "",
+                 *rows, ""]
 
-    page += ["## Corners", "", "Stage \"features\" against the corners that FAST found in its windows, same frames."]
-    corner_pairs = {mode: [(f["corners"], f["features"]) for f in frames if f["searched"] >= 20]
-                    for mode, frames in all_frames.items()}
-    page.append("Exponents: " + ", ".join(f"{mode} {exponent(pairs):.2f}" for mode, pairs in corner_pairs.items()) + ".")
+    page += ["## Corners", "", "Hand-held default image, worlds of more and more marks: medians of the frames with at least "
+             "20 searches.", "", "| corners found | features | frame |", "| ---: | ---: | ---: |"]
+    corner_pairs = []
+    for source in CORNERS:
+        frames = [f for f in frames_of(target, "replay_handheld", record(source)) if f["searched"] >= 20]
+        if not frames:
+            continue
+        corners, features, frame = (median([f[key] for f in frames]) for key in ("corners", "features", "frame"))
+        corner_pairs.append((corners, features))
+        page.append(f"| {corners} | {features:,.0f} | {frame:,.0f} |")
+    page += ["", f"Exponent of the stage against corners: {exponent(corner_pairs):.2f}."]
 
     page += ["", "## Image", "", "The hall in the image of the large configuration, 60 frames, vehicle mode.", "",
              "| image | features | frame |", "| --- | ---: | ---: |"]
@@ -158,14 +179,17 @@ def main():
         page.append(f"| {size:,} | " + " | ".join(f"{dict(by_operation[name])[size]:,.0f}" for name in operations) + " |")
     page += ["", "Exponents: " + ", ".join(f"{name} {exponent(pairs):.2f}" for name, pairs in by_operation.items()) + "."]
 
-    text = PAGE_HEAD.format(inputs=" and ".join(f"`{s}`" for s in GROWING.values()), near=100 * NEAR) + "\n".join(page) + "\n"
+    text = PAGE_HEAD.format(inputs=" and ".join(f"`{sources[0]}`" for sources in GROWING.values()), near=100 * NEAR) + "\n".join(page) + "\n"
     print(text)
     PAGE.write_text(text)
-    draw([("landmarks in the state", landmark_pairs), ("corners found", corner_pairs),
+    draw([("landmarks in the state", landmark_pairs), ("corners found", {"features": corner_pairs}),
           ("pixels of the image", {"frame": pixel_pairs}), ("landmarks in the library", by_operation)])
     (OUT / "growth.json").write_text(json.dumps(all_frames))
     return 0
 
 
 if __name__ == "__main__":
+    debian = "/usr/bin/python3"  # a python3 of the user's own may lack matplotlib where Debian's has it
+    if importlib.util.find_spec("matplotlib") is None and sys.executable != debian and pathlib.Path(debian).exists():
+        os.execv(debian, [debian, *sys.argv])
     sys.exit(main())

@@ -2,7 +2,7 @@
 """Times the hall, a hand-held sequence and the stress scenes on this machine with cairn_sim timing and
 writes docs/reference/timing-host.md with its picture.
 
-usage: host_page.py   (needs build/host; best on a quiet machine)
+usage: host_page.py [--quick]   (needs build/host; best on a quiet machine; --quick: without the stress scenes)
 """
 import json
 import pathlib
@@ -45,8 +45,9 @@ def main():
     if (ROOT / SCENES).exists():
         run(f"seven-scenes:{SCENES}", "--out", OUT / "seven-scenes")
         text += section("Seven-scenes, hand-held", OUT / "seven-scenes")[1]
-    run("--worst-case", "--out", OUT / "worst-case")
-    text += "## Stress scenes\n\nTime on the core.\n\n" + (OUT / "worst-case/timing.md").read_text()
+    if "--quick" not in sys.argv[1:]:
+        run("--worst-case", "--out", OUT / "worst-case")
+        text += "## Stress scenes\n\nTime on the core.\n\n" + (OUT / "worst-case/timing.md").read_text()
     build = summary["build"]
     PAGE.write_text(HEAD.format(cpu=build["cpu"], compiler=build["compiler"]) + text)
     picture = OUT / "hall/timing.png"

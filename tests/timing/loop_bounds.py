@@ -21,7 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 
 # Calls in one frame that the counts of the configuration limit: (function, file, bound).
 STAGES = [
-    ("search_landmark", "tracking/active_search", "40", "max_searches"),
+    ("search_landmark", "tracking/active_search", "40 + kMaxCandidates", "max_searches, and each candidate once"),
     ("best_corner", "tracking/feature_supply", "12", "cells_per_frame"),
     ("promote", "tracking/candidate_pool", "5", "max_promotions_per_frame"),
     ("follow", "tracking/candidate_pool", "1", "one step of the pool"),

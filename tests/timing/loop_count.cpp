@@ -246,39 +246,68 @@ struct Found {
   StressScene scene;
 };
 
+/// Breeds scenes of one mode, the dearest of which are kept.
 template <class Tracker>
-void search(int handheld, int tries, std::uint64_t seed, const char* profile, Counters& counters) {
-  Trial<Tracker> trial(counters);
-  cairn::Random random(seed);
-  std::vector<Found> kept;
-  for (int i = 0; i < tries; ++i) {
-    StressScene scene;
+class Search {
+ public:
+  Search(int handheld, std::uint64_t seed, Counters& counters)
+      : handheld_(handheld), random_(seed), trial_(counters) {}
+
+  void step() {
+    const StressScene scene = next();
+    ++tries_;
+    const std::uint64_t cost = trial_.cost(scene);
+    const bool known = std::any_of(kept_.begin(), kept_.end(),
+                                   [&](const Found& each) { return each.cost == cost; });
+    if (known) return;
+    kept_.push_back({cost, scene});
+    std::sort(kept_.begin(), kept_.end(),
+              [](const Found& a, const Found& b) { return a.cost > b.cost; });
+    if (kept_.size() > kKept) kept_.pop_back();
+    if (kept_.front().cost != cost) return;
+    std::printf("%s, try %d: %llu  %s\n", handheld_ != 0 ? "handheld" : "vehicle", tries_,
+                static_cast<unsigned long long>(cost), scene.text().c_str());
+    std::fflush(stdout);
+  }
+
+ private:
+  StressScene next() {
     const auto& named = cairn::host::named_stress_scenes();
-    if (static_cast<std::size_t>(i) < named.size()) {
-      scene.set(named[static_cast<std::size_t>(i)].name);
+    StressScene scene;
+    if (static_cast<std::size_t>(tries_) < named.size()) {
+      scene.set(named[static_cast<std::size_t>(tries_)].name);
     } else {
-      scene =
-          bred(kept[static_cast<std::size_t>(random.below(static_cast<int>(kept.size())))].scene,
-               random);
+      const int parent = random_.below(static_cast<int>(kept_.size()));
+      scene = bred(kept_[static_cast<std::size_t>(parent)].scene, random_);
     }
-    scene.handheld = handheld;
+    scene.handheld = handheld_;
     scene.attack_from = kWarmFrames;
     scene.frames = kWarmFrames + kAttackFrames;
-    const std::uint64_t cost = trial.cost(scene);
-    if (i % kSavedEvery == kSavedEvery - 1 && !counters.write(profile)) return;
-    const bool known =
-        std::any_of(kept.begin(), kept.end(), [&](const Found& each) { return each.cost == cost; });
-    if (known) continue;
-    kept.push_back({cost, scene});
-    std::sort(kept.begin(), kept.end(),
-              [](const Found& a, const Found& b) { return a.cost > b.cost; });
-    if (kept.size() > kKept) kept.pop_back();
-    if (kept.front().cost == cost) {
-      std::printf("try %d: %llu  %s\n", i, static_cast<unsigned long long>(cost),
-                  scene.text().c_str());
-      std::fflush(stdout);
-    }
+    return scene;
   }
+
+  int handheld_;
+  int tries_ = 0;
+  cairn::Random random_;
+  Trial<Tracker> trial_;
+  std::vector<Found> kept_;
+};
+
+bool search(int tries, std::uint64_t seed, const char* profile, Counters& counters) {
+  Search<Vehicle> vehicle(0, seed, counters);
+  Search<Handheld> handheld(1, seed, counters);
+  for (int i = 0; i < tries; ++i) {
+    if (i % 2 == 0) {
+      vehicle.step();
+    } else {
+      handheld.step();
+    }
+    if (i % kSavedEvery != kSavedEvery - 1) continue;
+    std::printf("%d tries\n", i + 1);
+    std::fflush(stdout);
+    if (!counters.write(profile)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -306,7 +335,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "loop_count: %s: expected a whole input log of 640x480\n", log.c_str());
     return 3;
   }
-  search<Vehicle>(0, tries / 2, seed, profile, counters);
-  search<Handheld>(1, tries / 2, seed, profile, counters);
-  return counters.write(profile) ? 0 : 1;
+  return search(tries, seed, profile, counters) && counters.write(profile) ? 0 : 1;
 }
