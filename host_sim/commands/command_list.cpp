@@ -1,5 +1,6 @@
 #include "host_sim/commands/command.hpp"
 #include "host_sim/commands/consistency_command.hpp"
+#include "host_sim/commands/faults_command.hpp"
 #include "host_sim/commands/info_command.hpp"
 #include "host_sim/commands/merge_command.hpp"
 #include "host_sim/commands/replay_command.hpp"
@@ -16,6 +17,7 @@ void register_commands(CommandContext& context) {
   register_replay_command(context);
   register_info_command(context);
   register_consistency_command(context);
+  register_faults_command(context);
   register_merge_command(context);
   register_timing_command(context);
   register_turntable_command(context);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 #include <fmt/os.h>
@@ -176,7 +178,7 @@ void write_frames(const std::filesystem::path& folder, const RunRecord& record,
       "total_ms,corners,candidates,matches,inliers,landmarks,registration_px\n");
   tracking.print(
       "frame,t_us,state,searched,hypotheses,low_innovation,high_innovation,gated,added,removed,"
-      "relocalised,nis,nis_dof,nees\n");
+      "reentered,from_library,relocalised,nis,nis_dof,nees\n");
   for (std::size_t i = 0; i < record.frames.size(); ++i) {
     const FrameRecord& frame = record.frames[i];
     const FrameReport& r = frame.report;
@@ -185,10 +187,11 @@ void write_frames(const std::filesystem::path& folder, const RunRecord& record,
                  frame.stage_ms[1], frame.stage_ms[2], frame.stage_ms[3], frame.stage_ms[4],
                  frame.total_ms, r.corners, r.candidates, r.matches, r.inliers, r.landmarks,
                  field(registration.frame_px[i]));
-    tracking.print("{},{},{},{},{},{},{},{},{},{},{},{:.4f},{},{}\n", frame.number, r.t_us,
+    tracking.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{:.4f},{},{}\n", frame.number, r.t_us,
                    to_string(r.state), r.searched, r.update.hypotheses, r.update.low_innovation,
-                   r.update.high_innovation, r.update.gated, r.added, r.removed,
-                   r.relocalised ? 1 : 0, r.update.nis, r.update.nis_dof, field(frame.nees));
+                   r.update.high_innovation, r.update.gated, r.added, r.removed, r.reentered,
+                   r.from_library, r.relocalised ? 1 : 0, r.update.nis, r.update.nis_dof,
+                   field(frame.nees));
   }
 }
 
@@ -212,6 +215,33 @@ void write_landmarks(const std::filesystem::path& folder, const RunRecord& recor
                landmark.active ? 1 : 0, landmark.p_world.x(), landmark.p_world.y(),
                landmark.p_world.z(), sigma.x(), sigma.y(), sigma.z());
   }
+}
+
+/// How much of what is seen from the second lap on was first seen in an earlier one: by sighting
+/// and by landmark. Null for a way that does not repeat.
+json reuse_json(const RunRecord& record) {
+  if (!record.lap_frames.has_value() || record.frames.empty()) return nullptr;
+  const int lap = *record.lap_frames;
+  std::map<LandmarkId, int> first_lap;
+  std::set<std::pair<int, LandmarkId>> landmarks;
+  std::size_t sightings = 0, old_sightings = 0, old_landmarks = 0;
+  for (const FrameRecord& frame : record.frames) {
+    const int now = (frame.number - record.frames.front().number) / lap;
+    for (const LandmarkId id : frame.measured) {
+      const bool old = first_lap.emplace(id, now).first->second < now;
+      if (now == 0) continue;
+      ++sightings;
+      old_sightings += old ? 1 : 0;
+      if (landmarks.emplace(now, id).second) old_landmarks += old ? 1 : 0;
+    }
+  }
+  if (sightings == 0) return nullptr;
+  const auto percent = [](std::size_t part, std::size_t whole) {
+    return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+  };
+  return {{"sightings_percent", percent(old_sightings, sightings)},
+          {"landmarks_percent", percent(old_landmarks, landmarks.size())},
+          {"landmarks", landmarks.size()}};
 }
 
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
@@ -250,7 +280,9 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
            {{"landmarks", active},
             {"added", added},
             {"removed", removed},
-            {"capacity", record.landmark_capacity}}},
+            {"capacity", record.landmark_capacity},
+            {"library", record.library_size < 0 ? json(nullptr) : json(record.library_size)},
+            {"reused", reuse_json(record)}}},
           {"health", to_json(record.health)},
           {"log_hash", fmt::format("{:016x}", record.log_hash)}};
 }
@@ -281,6 +313,9 @@ json to_json(const Health& h) {
           {"reacquisitions", h.reacquisitions},
           {"resets", h.resets},
           {"losses", h.losses},
+          {"landmarks_archived", h.landmarks_archived},
+          {"landmarks_reentered", h.landmarks_reentered},
+          {"map_messages_dropped", h.map_messages_dropped},
           {"relocalisations", h.relocalisations},
           {"false_relocalisations_refused", h.false_relocalisations_refused},
           {"budget_exceeded", h.budget_exceeded},

@@ -69,6 +69,8 @@ class FrameLoop {
       process(frame);
     } while (source_.next(frame));
     record_.landmarks = tracker_.landmarks();
+    record_.library_size = tracker_.library_size();
+    record_.lap_frames = source_.info().lap_frames;
     record_.landmark_capacity = tracker_.landmark_capacity();
     record_.health = tracker_.health();
     record_.tracker = tracker_.description();
@@ -95,6 +97,7 @@ class FrameLoop {
     if (entry.vehicle.has_value() && frame.true_T_world_vehicle.has_value()) {
       entry.nees = nees_of(*entry.vehicle, *frame.true_T_world_vehicle);
     }
+    entry.measured = tracker_.measured();
     add_to_hash(hash_, entry.report);
     RegistrationInput registration;
     registration.views = frame.scene_points;

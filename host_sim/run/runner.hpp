@@ -20,6 +20,7 @@ struct FrameRecord {
   std::optional<PlanarPoseEstimate> vehicle;
   std::optional<Rigid<double>> true_T_world_camera;
   std::optional<Rigid<double>> true_T_world_vehicle;
+  std::vector<LandmarkId> measured;
   std::optional<double> nees;  ///< of the vehicle's planar pose, 3 degrees of freedom
 
   bool has_pose() const {
@@ -32,6 +33,8 @@ struct RunRecord {
   std::vector<RegistrationInput> registration_input;
   std::vector<MapLandmark> landmarks;
   int landmark_capacity = 0;
+  int library_size = -1;
+  std::optional<int> lap_frames;
   Health health;
   nlohmann::json tracker;
   std::uint64_t log_hash = 0;

@@ -44,6 +44,10 @@ class Tracker {
   virtual Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) = 0;
   virtual std::vector<MapLandmark> landmarks() const = 0;
   virtual int landmark_capacity() const = 0;
+  /// Landmarks that the last frame measured.
+  virtual std::vector<LandmarkId> measured() const { return {}; }
+  /// Landmarks in the map library, -1 without one.
+  virtual int library_size() const { return -1; }
   virtual Health health() const = 0;
   /// Vehicle mode alone.
   virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }

@@ -62,8 +62,24 @@ class VehicleAdapter : public Tracker {
                      filter.landmark_position(slot).template cast<double>(),
                      filter.landmark_covariance(slot).template cast<double>(), true});
     }
+    const auto& library = core_->library();
+    for (int slot = 0; slot < library.size(); ++slot) {
+      const auto& landmark = library[slot];
+      if (filter.find(landmark.id) >= 0) continue;
+      all.push_back({landmark.id, landmark.p_world.template cast<double>(),
+                     landmark.covariance.template cast<double>(), false});
+    }
     return all;
   }
+
+  std::vector<LandmarkId> measured() const override {
+    std::vector<LandmarkId> ids;
+    for (const TrackedLandmark& landmark : core_->frames().landmarks()) {
+      if (landmark.searched && landmark.misses == 0) ids.push_back(landmark.id);
+    }
+    return ids;
+  }
+  int library_size() const override { return core_->library().size(); }
 
   int landmark_capacity() const override { return Core::kMaxLandmarks; }
   Health health() const override { return core_->health(); }

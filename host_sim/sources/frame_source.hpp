@@ -50,6 +50,7 @@ struct SourceInfo {
   Rigid<double> T_vehicle_camera;
   std::optional<OdometryModel> odometry;      ///< absent: handheld
   double frame_rate_hz = 30.0;                ///< nominal
+  std::optional<int> lap_frames;              ///< frames after which the way repeats, where it does
   std::optional<int> frame_count;             ///< frames that will come, where known
   std::uint64_t seed = 0;                     ///< 0 where nothing is random
   std::vector<std::filesystem::path> inputs;  ///< files that were read, for the manifest's hashes

@@ -61,6 +61,7 @@ class HallSource final : public FrameSource {
     odometry.period_s = 1.0 / kFrameRate;
     info_.odometry = odometry;
     info_.frame_rate_hz = kFrameRate;
+    info_.lap_frames = static_cast<int>(std::lround(LapDrive::Shape().lap_time_s * kFrameRate));
     info_.frame_count = end_ - next_;
     info_.seed = options.seed;
     info_.note = options.base_noise ? "odometry noise base: 0.05 m/s, 2 deg at 10 Hz"

@@ -136,6 +136,27 @@ TYPED_TEST(LandmarkOnPath, ALandmarkOfTheWorldKeepsItsCovariance) {
   EXPECT_NEAR(this->filter_.mean_landmark(1).x(), 4.0, 1e-12);
 }
 
+/// Landmarks of one old map: what they share counts once, wherever they are and whatever the
+/// heading's variance is.
+TYPED_TEST(LandmarkOnPath, LandmarksOfOneMapShareTheErrorOfTheirReference) {
+  constexpr LandmarkId kReference = 70;
+  constexpr LandmarkId kOther = 71;
+  const Matrix3<double> shared = Vector3<double>(0.04, 0.09, 0.01).asDiagonal();
+  const Matrix3<double> own = 1e-3 * Matrix3<double>::Identity();
+  ASSERT_TRUE(ok(this->filter_.add_world_position(kReference, {1.0, -2.0, 0.0}, shared)));
+  ASSERT_TRUE(ok(this->filter_.add_world_landmark(kNew, {4.0, 3.0, 0.5}, own, kReference)));
+  ASSERT_TRUE(ok(this->filter_.add_world_landmark(kOther, {-5.0, 2.0, 1.5}, own, kReference)));
+  for (const LandmarkId id : {kNew, kOther}) {
+    const Matrix3<double> got = this->filter_.landmark_covariance(this->filter_.find(id));
+    for (int i = 0; i < 3; ++i) EXPECT_NEAR(got(i, i), shared(i, i) + own(i, i), 2e-3) << i;
+  }
+  ASSERT_TRUE(ok(this->filter_.widen_landmark(kReference, 0.5)));
+  EXPECT_NEAR(this->filter_.landmark_covariance(this->filter_.find(kReference))(0, 0), 0.54, 1e-3);
+  EXPECT_EQ(this->filter_.widen_landmark(99, 0.5), Status::kNotFound);
+  EXPECT_EQ(this->filter_.widen_landmark(kReference, -0.5), Status::kInvalidArgument);
+  EXPECT_EQ(this->filter_.add_world_landmark(72, {0, 0, 0}, own, 99), Status::kNotFound);
+}
+
 TEST(LandmarkOnPathLifted, TakesTheWayAsIndependentNoise) {
   LiftedIekfSlam<double, 8, 3> filter;
   ASSERT_TRUE(ok(filter.initialise({}, 1e-4 * Matrix3<double>::Identity())));

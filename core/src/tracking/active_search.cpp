@@ -107,7 +107,15 @@ Status search_landmark(const ImageView& image, const PixelPrediction<float>& pre
 
   Found best;
   const FreakPose pose = steer(warp, appearance.scale_index);
-  if (match_corner(image, ellipse, appearance, pose, parameters, scratch, best, report) &&
+  const bool matched =
+      match_corner(image, ellipse, appearance, pose, parameters, scratch, best, report);
+  if (!appearance.has_patch) {
+    if (!matched) return Status::kNotFound;
+    pixel = Vector2<float>(static_cast<float>(best.x), static_cast<float>(best.y));
+    report.by_descriptor = true;
+    return Status::kOk;
+  }
+  if (matched &&
       align(image, appearance, patch_warp, static_cast<float>(best.x), static_cast<float>(best.y),
             parameters.min_correlation_q10, ellipse, pixel, report)) {
     report.by_descriptor = true;

@@ -76,6 +76,7 @@ Status make_appearance(const ImageView& image, int x, int y, const Rigid<float>&
   appearance.patch = patch;
   appearance.T_world_reference = T_world_camera;
   appearance.scale_index = kReferenceScaleIndex;
+  appearance.has_patch = true;
   return Status::kOk;
 }
 

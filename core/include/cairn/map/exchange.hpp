@@ -18,6 +18,19 @@ namespace cairn {
 template <class Map>
 class MapExchange {
  public:
+  MapExchange() = default;
+  /// Copies are for when neither side is at work.
+  MapExchange(const MapExchange& other) { *this = other; }
+  MapExchange& operator=(const MapExchange& other) {
+    if (this == &other) return *this;
+    for (int i = 0; i < 2; ++i) maps_[i] = other.maps_[i];
+    sequence_.store(other.sequence_.load());
+    pinned_.store(other.pinned_.load());
+    back_is_current_ = other.back_is_current_;
+    return *this;
+  }
+  ~MapExchange() = default;
+
   // --- reader ---
 
   /// The newest published map, unchanged until release(). nullptr only when the writer published
@@ -55,6 +68,9 @@ class MapExchange {
   }
   /// Drops what was edited since the last publish.
   void discard() { back_is_current_ = false; }
+
+  /// The newest published map, for when neither side is at work.
+  const Map& front() const { return maps_[sequence_.load() & 1U]; }
 
   /// Number of publications so far (modulo 2^31).
   std::uint32_t sequence() const { return sequence_.load(); }

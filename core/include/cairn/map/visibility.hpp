@@ -23,15 +23,21 @@ struct VisibleLandmark {
   ViewPrediction<T> prediction;
 };
 
+/// A part of a library, so that the work of a frame need not grow with the library.
+struct LibrarySlice {
+  int first = 0;
+  int count = 0;
+};
+
 /// The landmarks of `library` that a camera at `T_world_camera` should see: inside the image, at a
 /// scale and a viewing angle at which their descriptor can be matched, and not in `exclude` (ids
 /// that are already tracked). Most worth first, ties by id; at most `capacity` of them are written
 /// to `visible`. Returns their number.
 ///
-/// Cost: one pass over the library, about 150 operations a landmark and view; |exclude| comparisons
-/// and at most `capacity` moves for each one that is visible.
+/// Cost: one pass over the slots of `slice`, about 150 operations a landmark and view; |exclude|
+/// comparisons and at most `capacity` moves for each one that is visible.
 template <class Config, int Views>
-int find_visible(const MapLibrary<Config, Views>& library,
+int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
                  const PinholeCamera<typename Config::Scalar>& camera,
                  const Rigid<typename Config::Scalar>& T_world_camera,
                  const VisibilityOptions<typename Config::Scalar>& options,
@@ -40,7 +46,9 @@ int find_visible(const MapLibrary<Config, Views>& library,
   using T = typename Config::Scalar;
   int count = 0;
   if (visible == nullptr || capacity <= 0) return 0;
-  for (int slot = 0; slot < library.size(); ++slot) {
+  const int end =
+      slice.first + slice.count < library.size() ? slice.first + slice.count : library.size();
+  for (int slot = slice.first; slot < end; ++slot) {
     const auto& landmark = library[slot];
     VisibleLandmark<T> candidate;
     candidate.slot = slot;
@@ -79,6 +87,18 @@ int find_visible(const MapLibrary<Config, Views>& library,
     if (count < capacity) ++count;
   }
   return count;
+}
+
+/// Same for the whole library.
+template <class Config, int Views>
+int find_visible(const MapLibrary<Config, Views>& library,
+                 const PinholeCamera<typename Config::Scalar>& camera,
+                 const Rigid<typename Config::Scalar>& T_world_camera,
+                 const VisibilityOptions<typename Config::Scalar>& options,
+                 Span<LandmarkId> exclude, VisibleLandmark<typename Config::Scalar>* visible,
+                 int capacity) {
+  return find_visible(library, LibrarySlice{0, library.size()}, camera, T_world_camera, options,
+                      exclude, visible, capacity);
 }
 
 }  // namespace cairn

@@ -42,7 +42,7 @@ class EkfSlam : public detail::WorldFrameFilter<EkfSlam<T, MaxLandmarks, Landmar
   void widen_pose_by(T position_variance, T heading_variance);
   static constexpr int kPositionState = 0;
   void rows_with_vehicle(int slot, typename World::LandmarkRows& rows) const;
-  void rows_in_world(int, typename World::LandmarkRows&) const {}
+  void rows_in_world(int, typename World::LandmarkRows&, T) const {}
   void relative_of(int slot, const T* v, T* out) const;
   void relative_covariance(int slot, detail::RelativeCovariance<T>& out) const;
   void relative_columns(int slot, T* c0, T* c1, T* c2) const;

@@ -57,7 +57,7 @@ class GroupIekfSlam : public detail::WorldFrameFilter<GroupIekfSlam<T, MaxLandma
   void widen_pose_by(T position_variance, T heading_variance);
   static constexpr int kPositionState = 1;
   void rows_with_vehicle(int slot, typename World::LandmarkRows& rows) const;
-  void rows_in_world(int slot, typename World::LandmarkRows& rows) const;
+  void rows_in_world(int slot, typename World::LandmarkRows& rows, T weight) const;
   void relative_of(int slot, const T* v, T* out) const;
   void relative_covariance(int slot, detail::RelativeCovariance<T>& out) const;
   void relative_columns(int slot, T* c0, T* c1, T* c2) const;

@@ -28,6 +28,9 @@ class LiftedIekfSlam
   friend Base;
 
  public:
+  /// Its state holds relative vectors alone: nothing known in the world can be added.
+  static constexpr bool kHasWorldLandmarks = false;
+
   /// Starts an empty map at `pose` with `covariance` over (x, y, heading) in m^2, m rad, rad^2.
   /// Errors: kNonFiniteInput, kInvalidArgument (not symmetric or not positive semi-definite),
   /// kBadConfig.

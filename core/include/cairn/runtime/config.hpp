@@ -13,6 +13,7 @@ struct DefaultConfig {
   static constexpr int kLibraryLandmarks = 256;  ///< archived
   static constexpr int kMaxCandidates = 32;      ///< seen, not yet in the filter
   static constexpr int kMaxKeyframes = 8;        ///< past positions in the filter's state
+  static constexpr int kPlaceFeatures = 96;      ///< of an image whose place is looked up
 };
 
 struct TinyConfig : DefaultConfig {
@@ -20,8 +21,9 @@ struct TinyConfig : DefaultConfig {
   static constexpr int kMaxImageHeight = 240;
   static constexpr int kMaxLandmarks = 16;
   static constexpr int kMaxFeatures = 16;
-  static constexpr int kLibraryLandmarks = 64;
+  static constexpr int kLibraryLandmarks = 48;
   static constexpr int kMaxCandidates = 16;
+  static constexpr int kPlaceFeatures = 48;
 };
 
 struct LargeConfig : DefaultConfig {
@@ -31,6 +33,7 @@ struct LargeConfig : DefaultConfig {
   static constexpr int kMaxFeatures = 50;
   static constexpr int kLibraryLandmarks = 1024;
   static constexpr int kMaxCandidates = 64;
+  static constexpr int kPlaceFeatures = 128;
 };
 
 }  // namespace cairn

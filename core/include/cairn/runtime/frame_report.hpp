@@ -36,6 +36,8 @@ struct FrameReport {
   int searched = 0;    ///< landmarks looked for
   int added = 0;
   int removed = 0;
+  int reentered = 0;     ///< landmarks taken back from the map library
+  int from_library = 0;  ///< inliers that once came back from it
   bool relocalised = false;
   UpdateReport update;
 };

@@ -35,9 +35,9 @@ using SearchScratch = FastScratch<2 * SearchParameters::kMaxHalfWindow + 8>;
 /// Looks for one landmark in its 99 % window: FAST inside the window, corners inside the ellipse
 /// described at the predicted roll and scale, best Hamming match, then sub-pixel alignment of its
 /// patch. When no corner matches and the window is small, the patch is aligned from the predicted
-/// pixel instead. Paper A, steps 2.3 and 2.4. kOutOfView: window outside the image; kNotFound:
-/// nothing matched. Cost: one FAST window of (2 * kMaxHalfWindow + 1)^2 px, kMaxCorners
-/// descriptors, one alignment.
+/// pixel instead. An appearance without a patch ends at the corner. Paper A, steps 2.3 and 2.4.
+/// kOutOfView: window outside the image; kNotFound: nothing matched. Cost: one FAST window of (2 *
+/// kMaxHalfWindow + 1)^2 px, kMaxCorners descriptors, one alignment.
 Status search_landmark(const ImageView& image, const PixelPrediction<float>& prediction,
                        const Appearance& appearance, const Matrix2<float>& warp,
                        const SearchParameters& parameters, SearchScratch& scratch,

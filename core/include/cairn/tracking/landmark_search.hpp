@@ -14,6 +14,9 @@ struct TrackedLandmark {
   int measured = 0;   ///< of these, found and used by the filter
   int misses = 0;     ///< searches without success since the last one
   int frames_out_of_view = 0;
+  bool searched = false;      ///< in the last frame
+  bool from_library = false;  ///< came back from the map library
+  bool stored = false;        ///< the map builder was told about it
 };
 
 /// The tracker's side of the filter's landmarks, found by id. Cost of a look-up: Capacity
@@ -75,6 +78,7 @@ void search_landmarks(const ImageView& image, const Filter& filter, LandmarkTabl
   for (int slot = 0; slot < filter.size(); ++slot) {
     TrackedLandmark* landmark = table.find(filter.id(slot));
     if (landmark == nullptr) continue;
+    landmark->searched = false;
     Planned entry;
     const bool visible =
         ok(filter.predict(slot, entry.prediction)) && camera.contains(entry.prediction.pixel, 2.0F);
@@ -106,6 +110,7 @@ void search_landmarks(const ImageView& image, const Filter& filter, LandmarkTabl
       continue;
     }
     ++totals.searched;
+    landmark->searched = true;
     ++landmark->predicted;
     ++landmark->misses;
     PixelMatch<float> match;

@@ -143,9 +143,9 @@ void CAIRN_GROUP::rows_with_vehicle(int, typename World::LandmarkRows& rows) con
 
 /// xi = p - R(e) p^ of a point that does not turn with the error of the heading: -J p^ e.
 CAIRN_GROUP_TEMPLATE
-void CAIRN_GROUP::rows_in_world(int slot, typename World::LandmarkRows& rows) const {
-  rows.add(0, 0, this->p_[slot][1]);
-  rows.add(1, 0, -this->p_[slot][0]);
+void CAIRN_GROUP::rows_in_world(int slot, typename World::LandmarkRows& rows, T weight) const {
+  rows.add(0, 0, weight * this->p_[slot][1]);
+  rows.add(1, 0, -(weight * this->p_[slot][0]));
 }
 
 CAIRN_GROUP_TEMPLATE

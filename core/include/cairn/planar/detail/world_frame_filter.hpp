@@ -14,6 +14,8 @@ class WorldFrameFilter
  public:
   using Base = PlanarFilter<Derived, T, MaxLandmarks, LandmarkDim, 3, LandmarkDim>;
 
+  static constexpr bool kHasWorldLandmarks = true;  ///< add_world_landmark()
+
   /// Mean pose, the point of linearisation: what images are registered with.
   PlanarPose<T> mean_pose() const {
     PlanarPose<T> pose;
@@ -45,12 +47,28 @@ class WorldFrameFilter
                               const Matrix<T, LandmarkDim, 2>& by_path,
                               LandmarkId* replaced = nullptr);
 
-  /// Adds a landmark known in the world, m, with an error independent of the filter's. The caller
-  /// answers for that: an archived landmark needs its covariance inflated first. Errors: as
-  /// add_landmark().
+  /// Adds a landmark known in the world, m, from elsewhere than this filter: its error is that of
+  /// `reference`, a remembered position of add_world_position(), plus an independent part. Without
+  /// a reference all of it is independent, which the caller must answer for: landmarks of one old
+  /// map err together. Errors: as add_landmark(), kNotFound (no such reference).
   Status add_world_landmark(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
                             const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
-                            LandmarkId* replaced = nullptr);
+                            LandmarkId reference = kNoLandmark, LandmarkId* replaced = nullptr);
+
+  /// Adds a place of an old map as a state of its own, which stands for the error that landmarks of
+  /// that map share. Kept and removed as those of add_position(). Errors: as add_landmark().
+  Status add_world_position(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
+                            const Matrix<T, LandmarkDim, LandmarkDim>& covariance);
+
+  /// Adds independent noise to a landmark or remembered position: variance in m^2 per axis.
+  /// kInvalidArgument, kNotFound.
+  Status widen_landmark(LandmarkId id, T variance) {
+    const int slot = this->find(id);
+    if (slot < 0) return Status::kNotFound;
+    if (!is_finite(variance) || variance < T(0)) return Status::kInvalidArgument;
+    widen_landmark_by(slot, variance);
+    return Status::kOk;
+  }
 
   /// Element of the covariance of the filter's own error, pending noise included: EkfSlam (x, y,
   /// heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks). i, j < state_size().
@@ -181,20 +199,34 @@ Status CAIRN_WORLD::add_landmark_on_path(LandmarkId id, const Vector<T, Landmark
 CAIRN_WORLD_TEMPLATE
 Status CAIRN_WORLD::add_world_landmark(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
                                        const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
-                                       LandmarkId* replaced) {
+                                       LandmarkId reference, LandmarkId* replaced) {
   const Status valid = this->check_landmark(p_world, covariance);
   if (!ok(valid)) return valid;
+  if (reference != kNoLandmark && this->find(reference) < 0) return Status::kNotFound;
   const Status status = this->make_room(id, replaced);
   if (!ok(status)) return status;
   this->derived().add_pending_now();
-  T* p = p_[this->table_.size()];
-  for (int i = 0; i < LandmarkDim; ++i) p[i] = p_world(i);
-  for (int i = 0; i < 2; ++i) p[i] -= anchor_[i];
+  const int slot = this->table_.size();
+  for (int i = 0; i < LandmarkDim; ++i) p_[slot][i] = p_world(i);
+  for (int i = 0; i < 2; ++i) p_[slot][i] -= anchor_[i];
   LandmarkRows rows;
-  this->derived().rows_in_world(this->table_.size(), rows);
+  this->derived().rows_in_world(slot, rows, T(1));
+  if (reference != kNoLandmark) {
+    const int shared = this->find(reference);  // after make_room, which moves slots
+    this->derived().rows_in_world(shared, rows, T(-1));
+    for (int i = 0; i < LandmarkDim; ++i) rows.add(i, Base::state_of(shared) + i, T(1));
+  }
   append_error_rows(this->P_, rows, covariance);
   this->enter(id);
   return Status::kOk;
+}
+
+CAIRN_WORLD_TEMPLATE
+Status CAIRN_WORLD::add_world_position(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
+                                       const Matrix<T, LandmarkDim, LandmarkDim>& covariance) {
+  const Status status = add_world_landmark(id, p_world, covariance);
+  if (ok(status)) this->table_.statistics(this->table_.size() - 1).pinned = true;
+  return status;
 }
 
 #undef CAIRN_WORLD_TEMPLATE

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "cairn/map/exchange.hpp"
+#include "cairn/map/library.hpp"
+#include "cairn/numeric/spsc_ring.hpp"
+
+namespace cairn {
+
+/// What the frame tracker tells the map builder.
+template <class Landmark>
+struct MapMessage {
+  enum class Kind : std::uint8_t {
+    kStore,     ///< `landmark` as the filter knows it now
+    kFound,     ///< a library landmark was looked for and found
+    kNotFound,  ///< and not found
+  };
+  Kind kind = Kind::kStore;
+  LandmarkId id = kNoLandmark;
+  Landmark landmark;  ///< kStore alone
+};
+
+/// All that FrameTracker and MapBuilder share: a library that the tracker reads through a snapshot,
+/// and a ring of messages in the other direction. Neither side ever waits for the other.
+template <class Config>
+struct SharedMap {
+  using Library = MapLibrary<Config>;
+  using Landmark = typename Library::Landmark;
+  using Message = MapMessage<Landmark>;
+  static constexpr int kMessages = 16;
+
+  MapExchange<Library> exchange;
+  SpscRing<Message, kMessages> messages;
+};
+
+}  // namespace cairn

@@ -1,0 +1,297 @@
+#pragma once
+
+namespace cairn {
+
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& camera,
+                                                const Rigid<float>& T_vehicle_camera,
+                                                const Start& start, const Parameters& parameters) {
+  Status status = camera.validate();
+  if (!ok(status)) return status;
+  if (camera.width > Config::kMaxImageWidth || camera.height > Config::kMaxImageHeight) {
+    return Status::kBadConfig;
+  }
+  status = filter_.initialise(start.pose, start.covariance, parameters.filter);
+  if (!ok(status)) return status;
+  camera_ = camera;
+  T_vehicle_camera_ = T_vehicle_camera;
+  parameters_ = parameters;
+  table_.clear();
+  pool_.clear();
+  supply_ = Supply{};
+  random_ = Random(parameters.seed);
+  health_ = Health{};
+  state_ = TrackingState::kInitialising;
+  initialised_ = true;
+  has_frame_ = false;
+  has_motion_ = false;
+  time_us_ = start.t_us;
+  turn_variance_ = 0.0F;
+  next_id_ = 1;
+  first_own_id_ = 1;
+  keyframes_.clear();
+  frames_since_keyframe_ = parameters.keyframe_interval;
+  weak_frames_ = 0;
+  map_reference_ = kNoLandmark;
+  next_library_slot_ = 0;
+  way_m_ = 0.0F;
+  for (LandmarkId& id : milestones_) id = kNoLandmark;
+  passed_milestones_ = 0;
+  for (LandmarkId& id : refused_) id = kNoLandmark;
+  next_refused_ = 0;
+  places_.reset();
+  unrecognised_ = 0;
+  return Status::kOk;
+}
+
+template <class Config, class Filter>
+Rigid<float> FrameTracker<Config, Filter>::lift(const PlanarPose<float>& pose) {
+  float sine = 0.0F;
+  float cosine = 1.0F;
+  sin_cos(0.5F * pose.heading, sine, cosine);
+  return {{cosine, 0.0F, 0.0F, sine}, {pose.position.x(), pose.position.y(), 0.0F}};
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::augment(Augmenter& augmenter, const MutableImageView& overlay,
+                                           const TickSource& ticks, FrameReport& report) {
+  const std::uint32_t start = ticks.now();
+  if (state_ == TrackingState::kTracking && augmenter.wants_object()) {
+    Rigid<float> T_world_object = lift(filter_.mean_pose());
+    T_world_object.translation = T_world_object * Vector3<float>(3.5F, 0.7F, 0.0F);
+    static_cast<void>(augmenter.place(T_world_object));
+  }
+  if (state_ != TrackingState::kLost) augmenter.draw(camera_, report.T_world_camera, overlay);
+  report.stage_ticks[static_cast<int>(Stage::kRender)] = ticks.now() - start;
+}
+
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::add_odometry(const OdometrySample& sample) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!is_finite(sample.speed_mps) || !is_finite(sample.turn)) {
+    ++health_.non_finite_inputs;
+    return Status::kNonFiniteInput;
+  }
+  if (sample.t_us < time_us_ && has_motion_ && sample.t_us <= motion_.t_us) {
+    ++health_.time_errors;
+    return Status::kTimeBackwards;
+  }
+  steady_motion_ = has_motion_ ? steadied(sample) : sample;
+  motion_ = sample;
+  has_motion_ = true;
+  // A frame may have taken the pose beyond this sample already: the sample then counts from there.
+  return sample.t_us > time_us_ ? integrate_to(sample.t_us) : Status::kOk;
+}
+
+/// Low pass of the readings over `steady_s`.
+template <class Config, class Filter>
+OdometrySample FrameTracker<Config, Filter>::steadied(const OdometrySample& sample) const {
+  const float dt = static_cast<float>(sample.t_us - motion_.t_us) * 1e-6F;
+  const float share = dt > 0.0F ? dt / (dt + parameters_.odometry.steady_s) : 0.0F;
+  OdometrySample steady = sample;
+  steady.speed_mps =
+      steady_motion_.speed_mps + share * (sample.speed_mps - steady_motion_.speed_mps);
+  steady.turn = steady_motion_.turn + share * (sample.turn - steady_motion_.turn);
+  return steady;
+}
+
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::integrate_to(std::int64_t t_us) {
+  const std::int64_t step_us = t_us - time_us_;
+  if (step_us <= 0) return Status::kOk;
+  time_us_ = t_us;
+  if (!has_motion_) return Status::kOk;
+  if (step_us > parameters_.max_step_us) {
+    ++health_.time_errors;
+    return Status::kTimeGap;
+  }
+  const OdometryNoise& noise = parameters_.odometry;
+  const float dt = static_cast<float>(step_us) * 1e-6F;
+  // The sample's noise is stated per sample_period: cut into shorter steps its sum must stay the
+  // same.
+  const float scale = sqrt(noise.sample_period_s / dt);
+  PlanarIncrement<float> increment = increment_of(motion_, dt, scale);
+  // Noise linearised at the reading would correlate with the reading's own error: a steering error
+  // would each time be taken for a slower vehicle. Only the size of the speed may come from it.
+  OdometrySample linearised = steady_motion_;
+  if (abs(motion_.speed_mps) > abs(linearised.speed_mps)) linearised.speed_mps = motion_.speed_mps;
+  increment.covariance = increment_of(linearised, dt, scale).covariance;
+  const Status status = filter_.predict(increment);
+  if (ok(status)) turn_variance_ += increment.covariance(1, 1);
+  return status;
+}
+
+template <class Config, class Filter>
+PlanarIncrement<float> FrameTracker<Config, Filter>::increment_of(const OdometrySample& motion,
+                                                                  float dt, float scale) const {
+  const OdometryNoise& noise = parameters_.odometry;
+  return motion.kind == OdometrySample::Kind::kAckermann
+             ? ackermann_increment(motion.speed_mps, motion.turn, dt, noise.wheelbase_m,
+                                   noise.sigma_speed_mps * scale, noise.sigma_turn * scale)
+             : twist_increment(motion.speed_mps, motion.turn, dt, noise.sigma_speed_mps * scale,
+                               noise.sigma_turn * scale);
+}
+
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::check_input(const ImageView& image, std::int64_t t_us) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!image.valid() || image.width != camera_.width || image.height != camera_.height) {
+    return Status::kInvalidArgument;
+  }
+  if (has_frame_ && t_us <= last_frame_us_) {
+    ++health_.time_errors;
+    return t_us == last_frame_us_ ? Status::kDuplicate : Status::kTimeBackwards;
+  }
+  return Status::kOk;
+}
+
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::int64_t t_us,
+                                                   const TickSource& ticks, Map& map,
+                                                   FrameReport& report) {
+  const Status accepted = check_input(image, t_us);
+  if (!ok(accepted)) return accepted;
+  report = FrameReport{};
+  report.t_us = t_us;
+  const std::uint32_t start = ticks.now();
+  supply_.begin(image.width, image.height);
+  const std::uint32_t prepared = ticks.now();
+
+  report.status = integrate_to(t_us);
+  frame_step_s_ = has_frame_ ? static_cast<float>(t_us - last_frame_us_) * 1e-6F : 0.0F;
+  last_frame_us_ = t_us;
+  has_frame_ = true;
+  const std::uint32_t predicted = ticks.now();
+
+  FixedVector<PixelMatch<float>, kMaxLandmarks> matches;
+  SearchTotals totals;
+  search_landmarks(image, View{*this}, table_, parameters_.search, parameters_.max_searches,
+                   scratch_.search, matches, totals);
+  report.corners = totals.corners;
+  report.candidates = totals.descriptors;
+  report.searched = totals.searched;
+  report.matches = matches.size();
+  health_.searches_deferred += static_cast<std::uint32_t>(totals.deferred);
+  health_.corners_dropped += static_cast<std::uint32_t>(totals.corners_dropped);
+  const std::uint32_t searched = ticks.now();
+
+  update(matches, report);
+  note_matches(image, map, matches, report);
+  keep_map(image, map, report);
+  judge(report);
+  report.T_world_camera = T_world_camera();
+  report.T_world_camera.translation -= map_offset();
+  pass_milestones();
+  report.landmarks = filter_.landmark_count();
+  const std::uint32_t updated = ticks.now();
+
+  report.stage_ticks[static_cast<int>(Stage::kPreprocess)] = prepared - start;
+  report.stage_ticks[static_cast<int>(Stage::kPosePrediction)] = predicted - prepared;
+  report.stage_ticks[static_cast<int>(Stage::kFeatures)] = searched - predicted;
+  report.stage_ticks[static_cast<int>(Stage::kPoseUpdate)] = updated - searched;
+  return report.status;
+}
+
+/// Grows the map while the pose is known, looks for the place while it is not. An unknown place is
+/// mapped from the odometry's pose once the library does not know it.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::keep_map(const ImageView& image, Map& map, FrameReport& report) {
+  const Library* library = map.exchange.acquire();
+  const bool known = consistent(report) || state_ == TrackingState::kInitialising;
+  const bool can_recognise = kTakesLandmarksBack && library != nullptr && !library->empty();
+  if (known) {
+    remove_landmarks(map, report);
+    places_.reset();
+    unrecognised_ = 0;
+  } else if (can_recognise && weak_frames_ >= parameters_.relocalise_after) {
+    relocalise(image, *library, map, report);
+  }
+  const bool anew = !can_recognise || unrecognised_ >= parameters_.map_anew_after;
+  build_map(image, known || consistent(report) || anew, report);
+  if (known && can_recognise) reenter_landmarks(*library, report);
+  if (library != nullptr) map.exchange.release();
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches,
+                                          FrameReport& report) {
+  if (matches.empty()) return;
+  // Where the camera shows another place, a few landmarks are found by chance.
+  const float share = static_cast<float>(matches.size());
+  if (share < parameters_.min_match_share * static_cast<float>(report.searched)) return;
+  const Status status =
+      filter_.update_pixels(camera_, T_vehicle_camera_, parameters_.sigma_px, matches.data(),
+                            matches.size(), random_, report.update);
+  if (!ok(status)) {
+    if (ok(report.status)) report.status = status;
+    for (PixelMatch<float>& match : matches) match.inlier = false;
+    return;
+  }
+  for (const PixelMatch<float>& match : matches) report.inliers += match.inlier ? 1 : 0;
+}
+
+/// A frame in which nothing fits together says nothing against a landmark that was not found.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::note_matches(
+    const ImageView& image, Map& map, const FixedVector<PixelMatch<float>, kMaxLandmarks>& matches,
+    FrameReport& report) {
+  if (!consistent(report) && state_ != TrackingState::kInitialising) {
+    for (TrackedLandmark& landmark : table_) {
+      if (landmark.searched) --landmark.predicted;
+    }
+    return;
+  }
+  for (const PixelMatch<float>& match : matches) {
+    if (!match.inlier) continue;
+    TrackedLandmark* landmark = table_.find(match.id);
+    if (landmark == nullptr) continue;
+    ++landmark->measured;
+    landmark->misses = 0;
+    report.from_library += landmark->from_library ? 1 : 0;
+    if (!landmark->appearance.has_patch) {
+      if (landmark->measured == 1) tell(map, Map::Message::Kind::kFound, match.id);
+      // Near the border it is tried again with the next match.
+      static_cast<void>(make_appearance(image, round_to_int(match.pixel.x()),
+                                        round_to_int(match.pixel.y()), T_world_camera(),
+                                        landmark->appearance));
+    }
+    if (!landmark->stored && landmark->measured >= parameters_.mature_sightings) {
+      store(filter_.find(match.id), *landmark, map);
+      landmark->stored = true;
+    }
+  }
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::judge(FrameReport& report) {
+  if (report.inliers >= parameters_.min_inliers) {
+    weak_frames_ = 0;
+    state_ = TrackingState::kTracking;
+  } else if (state_ != TrackingState::kInitialising) {
+    ++weak_frames_;
+    const bool lost = weak_frames_ > parameters_.uncertain_frames_to_lost;
+    if (lost && state_ != TrackingState::kLost) ++health_.losses;
+    state_ = lost ? TrackingState::kLost : TrackingState::kUncertain;
+  }
+  if (report.searched > 0 && report.matches < parameters_.min_inliers) {
+    ++health_.low_texture_frames;
+    if (ok(report.status)) report.status = Status::kLowTexture;
+  }
+  if (state_ == TrackingState::kLost) report.status = Status::kLost;
+  report.state = state_;
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::hash(Hash64& hash) const {
+  filter_.hash(hash);
+  hash.add(static_cast<std::uint8_t>(state_));
+  hash.add(health_.landmarks_added);
+  hash.add(health_.landmarks_removed);
+  hash.add(static_cast<std::int32_t>(pool_.size()));
+  for (const TrackedLandmark& landmark : table_) {
+    hash.add(landmark.id);
+    hash.add_bytes(landmark.appearance.descriptor.bytes, Descriptor::kBytes);
+  }
+}
+
+}  // namespace cairn

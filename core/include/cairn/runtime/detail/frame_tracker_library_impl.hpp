@@ -1,0 +1,275 @@
+#pragma once
+
+#include "cairn/runtime/frame_tracker.hpp"
+
+namespace cairn {
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::tell(Map& map, typename Map::Message::Kind kind, LandmarkId id) {
+  typename Map::Message message;
+  message.kind = kind;
+  message.id = id;
+  if (!map.messages.push(message)) ++health_.map_messages_dropped;
+}
+
+/// Hands a landmark to the map builder, in the coordinates of the library.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::store(int slot, const TrackedLandmark& landmark, Map& map) {
+  const Vector3<float> offset = map_offset();
+  typename Map::Message message;
+  message.kind = Map::Message::Kind::kStore;
+  LibraryLandmark& archived = message.landmark;
+  archived.id = landmark.id;
+  archived.p_world = filter_.mean_landmark(slot) - offset;
+  archived.covariance = filter_.landmark_covariance(slot);
+  archived.searches = static_cast<std::uint16_t>(clamp(landmark.predicted, 0, 0xFFFF));
+  archived.sightings =
+      static_cast<std::uint16_t>(clamp(landmark.measured, 0, int{archived.searches}));
+  archived.view_count = 1;
+  LandmarkView<float>& view = archived.views[0];
+  view.descriptor = landmark.appearance.descriptor;
+  view.pose.scale_index = landmark.appearance.scale_index;
+  view.focal_px = 0.5F * (camera_.fx + camera_.fy);
+  view.T_world_reference = landmark.appearance.T_world_reference;
+  view.T_world_reference.translation -= offset;
+  if (map.messages.push(message)) {
+    ++health_.landmarks_archived;
+  } else {
+    ++health_.map_messages_dropped;
+  }
+}
+
+/// Where the library's coordinates lie in the filter's: the filter estimates it while a reference
+/// is in its state.
+template <class Config, class Filter>
+Vector3<float> FrameTracker<Config, Filter>::map_offset() const {
+  const int slot = filter_.find(map_reference_);
+  if (slot < 0) return Vector3<float>::Zero();
+  return filter_.mean_landmark(slot) - map_reference_nominal_;
+}
+
+/// Landmarks of one old map err together: a state of its own holds what they share, so that many of
+/// them do not weigh more than their map does. Its variance is that of the landmark that came back
+/// first, and grows along the way as the map's own drift did.
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::ensure_map_reference(const LibraryLandmark& archived) {
+  if constexpr (kTakesLandmarksBack) {
+    const Vector3<float> here = lift(filter_.mean_pose()).translation;
+    if (filter_.find(map_reference_) >= 0) {
+      const float way = sqrt((here - map_widened_at_).squaredNorm());
+      map_widened_at_ = here;
+      return ok(filter_.widen_landmark(map_reference_, square(parameters_.map_drift) * way));
+    }
+    if (!ok(filter_.add_world_position(next_id_, archived.p_world, archived.covariance))) {
+      return false;
+    }
+    map_reference_ = next_id_++;
+    map_reference_nominal_ = archived.p_world;
+    map_widened_at_ = here;
+    return true;
+  } else {
+    static_cast<void>(archived);
+    return false;
+  }
+}
+
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::recently_refused(LandmarkId id) const {
+  for (const LandmarkId refused : refused_) {
+    if (refused == id) return true;
+  }
+  return false;
+}
+
+/// Remembers which landmarks are older than the last `kMilestones` times 2 m of way.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::pass_milestones() {
+  constexpr float kStep_m = 2.0F;
+  way_m_ += abs(motion_.speed_mps) * frame_step_s_;
+  if (way_m_ < kStep_m) return;
+  way_m_ -= kStep_m;
+  milestones_[passed_milestones_++ % kMilestones] = next_id_;
+}
+
+/// Looks through a slice of the library for landmarks that come into view and takes them back into
+/// the filter, where the next frames look for them in the windows that their covariance gives.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, FrameReport& report) {
+  constexpr int kReserve = kMaxLandmarks / 12;
+  constexpr float kMargin = 40.0F;
+  LandmarkId active[kMaxLandmarks];
+  for (int slot = 0; slot < filter_.landmark_count(); ++slot) {
+    active[slot] = filter_.landmark_id(slot);
+  }
+  VisibilityOptions<float> options;
+  options.margin_px = kMargin;
+  options.min_scale = 0.75F;
+  options.max_scale = 2.0F;
+  options.min_cosine = 0.9F;
+  if (next_library_slot_ >= library.size()) next_library_slot_ = 0;
+  const LibrarySlice slice{next_library_slot_, parameters_.library_slots_per_frame};
+  next_library_slot_ += slice.count;
+  Rigid<float> T_map_camera = T_world_camera();
+  T_map_camera.translation -= map_offset();
+  VisibleLandmark<float> visible[kReentryCandidates];
+  const int count =
+      find_visible(library, slice, camera_, T_map_camera, options,
+                   Span<LandmarkId>{active, filter_.landmark_count()}, visible, kReentryCandidates);
+  for (int i = 0; i < count && report.reentered < parameters_.max_reentries_per_frame; ++i) {
+    if (filter_.landmark_count() + kReserve >= kMaxLandmarks) return;
+    if (is_old(visible[i].id) && !recently_refused(visible[i].id))
+      reenter(library[visible[i].slot], report);
+  }
+}
+
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::reenter(const LibraryLandmark& archived, FrameReport& report) {
+  if constexpr (kTakesLandmarksBack) {
+    if (!ensure_map_reference(archived)) return false;
+    const Vector3<float> offset = map_offset();
+    if (!ok(filter_.add_world_landmark(archived.id, archived.p_world + offset,
+                                       parameters_.library_inflation * archived.covariance,
+                                       map_reference_))) {
+      return false;
+    }
+    TrackedLandmark landmark;
+    landmark.id = archived.id;
+    landmark.from_library = true;
+    landmark.stored = true;
+    Appearance& appearance = landmark.appearance;
+    appearance.descriptor = archived.views[0].descriptor;
+    appearance.scale_index = archived.views[0].pose.scale_index;
+    appearance.T_world_reference = archived.views[0].T_world_reference;
+    appearance.T_world_reference.translation += offset;
+    appearance.has_patch = false;
+    table_.add(landmark);
+    ++report.reentered;
+    ++health_.landmarks_reentered;
+    return true;
+  } else {
+    static_cast<void>(archived);
+    static_cast<void>(report);
+    return false;
+  }
+}
+
+/// One step towards the place: an image is taken, compared with the library over the next frames,
+/// and a pose that comes of it must agree with the filter's and with the image of that time.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Library& library,
+                                              Map& map, FrameReport& report) {
+  using Outcome = typename Places::Outcome;
+  if (!places_.working()) {
+    T_world_camera_captured_ = T_world_camera();
+    static_cast<void>(places_.capture(image, parameters_.places, scratch_.places));
+    return;
+  }
+  const Outcome outcome =
+      places_.step(camera_, library, parameters_.places, random_, scratch_.places);
+  if (outcome == Outcome::kFailed) ++unrecognised_;
+  if (outcome != Outcome::kFound) return;
+  if (plausible(places_.T_map_camera()) && come_back(image, library, map, report)) {
+    report.relocalised = true;
+    ++health_.relocalisations;
+  } else {
+    ++health_.false_relocalisations_refused;
+    // The camera shows a place of the map where the vehicle cannot be: nothing to map there.
+    unrecognised_ = -4 * parameters_.map_anew_after;
+  }
+}
+
+/// Whether a pose in the map could be where the filter believed to be when the image was taken.
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::plausible(const Rigid<float>& T_map_camera) const {
+  constexpr float kMaxTilt = 0.1F;
+  constexpr float kMaxHeight_m = 0.3F;
+  constexpr float kMapVariance = 0.01F;  // m^2, rad^2: of a pose told by one image
+  constexpr float kGateDof3 = 21.11F;    // 99.99 %
+  Rigid<float> T_world_camera = T_map_camera;
+  T_world_camera.translation += map_offset();
+  const Rigid<float> T_expected_found =
+      (T_world_camera_captured_ * T_vehicle_camera_.inverse()).inverse() *
+      (T_world_camera * T_vehicle_camera_.inverse());
+  const Vector3<float> turn = rotation_log(T_expected_found.rotation);
+  const Vector3<float>& moved = T_expected_found.translation;
+  if (abs(turn.x()) > kMaxTilt || abs(turn.y()) > kMaxTilt || abs(moved.z()) > kMaxHeight_m) {
+    return false;
+  }
+  const Vector3<float> in_world =
+      (T_world_camera_captured_ * T_vehicle_camera_.inverse()).rotation * moved;
+  const Vector3<float> error(in_world.x(), in_world.y(), turn.z());
+  Matrix3<float> S = filter_.pose_covariance();
+  for (int i = 0; i < 3; ++i) S(i, i) += i < 2 ? kMapVariance : 0.1F * kMapVariance;
+  return error.dot(S.inverse() * error) <= kGateDof3;
+}
+
+/// Looks in the present image for what the map should show from the pose found, and gives it to the
+/// filter, whose own gates decide. False, and the landmarks forgotten again, when it refuses.
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Library& library,
+                                             Map& map, FrameReport& report) {
+  constexpr float kWindowVariance = 16.0F;  // px^2: the pose found, and the way made since
+  constexpr int kMinFound = 6;
+  const Rigid<float> T_map_camera =
+      places_.T_map_camera() * (T_world_camera_captured_.inverse() * T_world_camera());
+  VisibilityOptions<float> options;
+  options.margin_px = 30.0F;
+  options.min_cosine = 0.9F;
+  VisibleLandmark<float> visible[kReentryCandidates];
+  const int count = find_visible(library, camera_, T_map_camera, options, Span<LandmarkId>{},
+                                 visible, kReentryCandidates);
+  FixedVector<PixelMatch<float>, kMaxLandmarks> matches;
+  for (int i = 0; i < count; ++i) {
+    const LibraryLandmark& archived = library[visible[i].slot];
+    PixelPrediction<float> prediction;
+    prediction.id = archived.id;
+    prediction.pixel = visible[i].prediction.pixel;
+    prediction.p_camera = visible[i].prediction.p_camera;
+    prediction.covariance = Matrix2<float>::Identity() * kWindowVariance;
+    Appearance appearance;
+    appearance.has_patch = false;
+    appearance.descriptor = archived.views[0].descriptor;
+    appearance.scale_index = archived.views[0].pose.scale_index;
+    Matrix2<float> warp;
+    PixelMatch<float> match;
+    SearchReport search;
+    if (!ok(predict_warp(camera_, archived.views[0].T_world_reference, T_map_camera,
+                         prediction.p_camera, warp)) ||
+        !ok(search_landmark(image, prediction, appearance, warp, parameters_.search,
+                            scratch_.search, match.pixel, search))) {
+      continue;
+    }
+    match.id = archived.id;
+    match.slot = visible[i].slot;  // the library's, until the landmark is in the filter
+    match.descriptor_distance = search.distance;
+    matches.push_back(match);
+  }
+  if (matches.size() < kMinFound || 2 * matches.size() < count) return false;
+
+  make_room(map, matches.size() + 2, kMaxLandmarks, report);
+  FixedVector<LandmarkId, kReentryCandidates> entered;
+  FixedVector<PixelMatch<float>, kMaxLandmarks> usable;
+  for (PixelMatch<float>& match : matches) {
+    if (filter_.find(match.id) < 0) {
+      if (!reenter(library[match.slot], report)) continue;
+      entered.push_back(match.id);
+    }
+    usable.push_back(match);
+  }
+  for (PixelMatch<float>& match : usable) match.slot = filter_.find(match.id);
+  report.inliers = 0;
+  report.matches = usable.size();
+  report.status = Status::kOk;
+  update(usable, report);
+  if (report.inliers >= kMinFound) {
+    note_matches(image, map, usable, report);
+    return true;
+  }
+  report.inliers = 0;
+  for (const LandmarkId id : entered) {
+    remove_landmark(filter_.find(id), report);
+  }
+  return false;
+}
+
+}  // namespace cairn

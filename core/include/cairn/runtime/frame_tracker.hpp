@@ -1,0 +1,259 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/map/shared_map.hpp"
+#include "cairn/map/visibility.hpp"
+#include "cairn/numeric/hash.hpp"
+#include "cairn/numeric/health.hpp"
+#include "cairn/numeric/random.hpp"
+#include "cairn/planar/increment.hpp"
+#include "cairn/planar/types.hpp"
+#include "cairn/runtime/augmenter.hpp"
+#include "cairn/runtime/config.hpp"
+#include "cairn/runtime/frame_report.hpp"
+#include "cairn/tracking/candidate_pool.hpp"
+#include "cairn/tracking/feature_supply.hpp"
+#include "cairn/tracking/landmark_search.hpp"
+#include "cairn/tracking/relocaliser.hpp"
+
+namespace cairn {
+
+/// Camera tracking on a planar vehicle from video and odometry (paper A): a planar SLAM filter with
+/// camera landmarks (`Filter`: EkfSlam, LiftedIekfSlam or GroupIekfSlam with LandmarkDim 3) behind
+/// the vision front end. Vehicle frame: x forward, y left, z up, origin on the floor.
+///
+/// This is the module "tracking and registration" of the paper. The active landmarks, whose error
+/// is tied to the pose's, live in its filter; the long memory is the map library, which it reads
+/// through a snapshot and which a MapBuilder keeps from the messages it sends (SharedMap).
+/// Landmarks of the library come back into the filter when they come into view again, and tell the
+/// place when tracking is lost.
+///
+/// All storage is inside; the caller decides where an instance lies. One frame costs at most
+/// `max_searches` landmark searches, one filter update of as many matches, one step of the
+/// candidate pool, `cells_per_frame` cells of corner detection and `library_slots_per_frame`
+/// projections; while lost, one step of the relocaliser in place of the map's growth.
+template <class Config, class Filter>
+class FrameTracker {
+ public:
+  static constexpr int kMaxLandmarks = Config::kMaxLandmarks;
+  static constexpr int kMaxKeyframes = Config::kMaxKeyframes;
+  using Supply = FeatureSupply<Config::kMaxImageWidth>;
+  using Pool = CandidatePool<Config::kMaxCandidates, Config::kMaxKeyframes>;
+  using Map = SharedMap<Config>;
+  using Library = typename Map::Library;
+  using Places = Relocaliser<Config>;
+
+  /// All landmarks share the error of the heading: one frame in a hundred without any of them would
+  /// be too many, so windows and gates are at 99.99 % (chi-square, 2 degrees of freedom).
+  static constexpr float kWideGate = 18.42F;
+
+  struct OdometryNoise {
+    float sigma_speed_mps = 0.1F;  ///< per sample
+    float sigma_turn = 0.0873F;    ///< steering angle, rad, or yaw rate, rad/s, per sample
+    float wheelbase_m = 0.5F;      ///< kAckermann only
+    float sample_period_s = 0.1F;  ///< the period at which the noise above is stated
+    float steady_s = 0.3F;         ///< low pass of the readings at which noise is linearised
+  };
+
+  struct Parameters {
+    /// The filter's own re-acquisition widens the pose at every prediction, which at frame rate
+    /// would outrun the search windows: off, the tracker's states take its place. Two supporters
+    /// are enough: a young map has no more, and odometry bounds what they can do.
+    Parameters() {
+      filter.reacquire_after = 0;
+      filter.ransac.min_support = 2;
+      filter.gate = kWideGate;
+      search.gate = kWideGate;
+    }
+
+    PlanarParameters<float> filter;
+    OdometryNoise odometry;
+    SearchParameters search;
+    typename Supply::Parameters supply;
+    typename Pool::Parameters pool;
+    float sigma_px = 0.5F;
+    float tracked_yaw_rad = 3e-4F;     ///< error of the filter's turn in one frame, while tracking
+    int target_in_view = 40;           ///< landmarks and candidates wanted in view
+    int max_births_per_frame = 16;     ///< new candidates
+    int keyframe_interval = 8;         ///< frames between frames with new candidates
+    int max_promotions_per_frame = 4;  ///< candidates that become landmarks
+    int max_searches = 40;
+    int min_inliers = 4;
+    int uncertain_frames_to_lost = 60;
+    float min_match_share = 0.08F;     ///< of the landmarks looked for; fewer are taken for chance
+    int min_sightings_to_store = 6;    ///< of a landmark that leaves the filter
+    int mature_sightings = 12;         ///< from then on a landmark is also in the library
+    int library_slots_per_frame = 48;  ///< looked through for landmarks that come into view
+    int max_reentries_per_frame = 3;
+    float library_inflation = 4.0F;  ///< of the variances of landmarks taken back
+    float map_drift = 0.03F;         ///< of the library's error along the way, m per sqrt(m)
+    int relocalise_after = 5;        ///< weak frames
+    int map_anew_after = 8;          ///< places not recognised, until the unknown one is mapped
+    typename Places::Parameters places;
+    std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
+    std::uint64_t seed = 1;
+  };
+
+  struct Start {
+    PlanarPose<float> pose;
+    Matrix3<float> covariance = Matrix3<float>::Zero();  ///< of (x, y, heading)
+    std::int64_t t_us = 0;
+  };
+
+  /// Starts anew at a known pose. kBadConfig for an impossible camera; the tracker is then
+  /// unchanged.
+  Status initialise(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
+                    const Start& start, const Parameters& parameters);
+
+  /// Integrates odometry up to the sample's time. kTimeBackwards, kNonFiniteInput: sample refused.
+  /// kTimeGap: time moved on, motion over the gap not integrated.
+  Status add_odometry(const OdometrySample& sample);
+
+  /// Tracks one frame; odometry up to its time should have been added, the rest is extrapolated.
+  /// kInvalidArgument (wrong size), kDuplicate, kTimeBackwards: frame refused.
+  Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks, Map& map,
+                       FrameReport& report);
+
+  /// Ids below `next` are taken: after a library came from elsewhere.
+  void reserve_ids(LandmarkId next) {
+    if (next <= next_id_) return;
+    next_id_ = next;
+    first_own_id_ = next;
+  }
+  LandmarkId next_id() const { return next_id_; }
+
+  /// Draws the virtual objects of `augmenter` into `overlay` as this frame's pose sees them. Where
+  /// it wants an object, one is placed on the floor ahead of the vehicle first. Adds its ticks to
+  /// `report` as Stage::kRender.
+  void augment(Augmenter& augmenter, const MutableImageView& overlay, const TickSource& ticks,
+               FrameReport& report);
+
+  const Filter& filter() const { return filter_; }
+  const PinholeCamera<float>& camera() const { return camera_; }
+  const Rigid<float>& T_vehicle_camera() const { return T_vehicle_camera_; }
+  Rigid<float> T_world_camera() const { return lift(filter_.mean_pose()) * T_vehicle_camera_; }
+  const LandmarkTable<kMaxLandmarks>& landmarks() const { return table_; }
+  const Health& health() const { return health_; }
+  TrackingState state() const { return state_; }
+  void hash(Hash64& hash) const;
+
+ private:
+  /// What search_landmarks asks of a filter.
+  struct View {
+    const FrameTracker& tracker;
+    int size() const { return tracker.filter_.landmark_count(); }
+    LandmarkId id(int slot) const { return tracker.filter_.landmark_id(slot); }
+    Status predict(int slot, PixelPrediction<float>& p) const {
+      return tracker.filter_.predict_pixel(slot, tracker.camera_, tracker.T_vehicle_camera_,
+                                           tracker.parameters_.sigma_px, p);
+    }
+    const PinholeCamera<float>& camera() const { return tracker.camera_; }
+    Rigid<float> T_world_camera() const { return tracker.T_world_camera(); }
+  };
+
+  static constexpr float kShortestPath_m = 1e-3F;
+
+  static Rigid<float> lift(const PlanarPose<float>& pose);
+  Status check_input(const ImageView& image, std::int64_t t_us);
+  Status integrate_to(std::int64_t t_us);
+  PlanarIncrement<float> increment_of(const OdometrySample& motion, float dt, float scale) const;
+  OdometrySample steadied(const OdometrySample& sample) const;
+  void keep_map(const ImageView& image, Map& map, FrameReport& report);
+  void update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
+  bool consistent(const FrameReport& report) const {
+    return report.inliers >= parameters_.min_inliers;
+  }
+  void note_matches(const ImageView& image, Map& map,
+                    const FixedVector<PixelMatch<float>, kMaxLandmarks>& matches,
+                    FrameReport& report);
+  void judge(FrameReport& report);
+
+  // The filter's landmarks: detail/frame_tracker_map_impl.hpp.
+  void remove_landmarks(Map& map, FrameReport& report);
+  void make_room(Map& map, int reserve, int limit, FrameReport& report);
+  void remove_landmark(int slot, FrameReport& report);
+  void build_map(const ImageView& image, bool growing, FrameReport& report);
+  void begin_candidates(const ImageView& image, FrameReport& report);
+  void promote_candidates(FrameReport& report);
+  bool add_promoted(const Promotion& promotion, FrameReport& report);
+  bool begin_keyframe();
+  void end_keyframes(bool make_room);
+  typename Pool::Parameters pool_parameters() const;
+
+  // The library: detail/frame_tracker_library_impl.hpp.
+  using LibraryLandmark = typename Library::Landmark;
+  static constexpr int kReentryCandidates = 24;
+  /// Whether this filter can hold landmarks of a library.
+  static constexpr bool kTakesLandmarksBack = Filter::kHasWorldLandmarks;
+  void tell(Map& map, typename Map::Message::Kind kind, LandmarkId id);
+  void store(int slot, const TrackedLandmark& landmark, Map& map);
+  void reenter_landmarks(const Library& library, FrameReport& report);
+  bool reenter(const LibraryLandmark& archived, FrameReport& report);
+  bool ensure_map_reference(const LibraryLandmark& archived);
+  bool recently_refused(LandmarkId id) const;
+  void pass_milestones();
+  bool is_old(LandmarkId id) const {
+    return id < milestones_[passed_milestones_ % kMilestones] || id < first_own_id_;
+  }
+  Vector3<float> map_offset() const;
+  void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
+  bool plausible(const Rigid<float>& T_map_camera) const;
+  bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
+
+  PinholeCamera<float> camera_;
+  Rigid<float> T_vehicle_camera_;
+  Parameters parameters_;
+  Filter filter_;
+  LandmarkTable<kMaxLandmarks> table_;
+  Pool pool_;
+  Supply supply_;
+  /// Nothing in it outlives a frame: copies copy nothing.
+  union Scratch {
+    Scratch() {}
+    Scratch(const Scratch&) {}
+    Scratch& operator=(const Scratch&) { return *this; }
+    ~Scratch() = default;
+    SearchScratch search;
+    typename Supply::Scratch supply;
+    typename Places::Scratch places;
+  } scratch_;
+  Random random_;
+  Health health_;
+  float frame_step_s_ = 0.0F;
+  float turn_variance_ = 0.0F;  ///< of the odometry's turn since the last frame, rad^2
+  OdometrySample motion_;       ///< last sample: held for extrapolation
+  OdometrySample steady_motion_;
+  TrackingState state_ = TrackingState::kInitialising;
+  bool initialised_ = false;
+  bool has_frame_ = false;
+  bool has_motion_ = false;
+  std::int64_t time_us_ = 0;  ///< of the filter's pose
+  std::int64_t last_frame_us_ = 0;
+  LandmarkId next_id_ = 1;
+  LandmarkId first_own_id_ = 1;
+  FixedVector<LandmarkId, kMaxKeyframes> keyframes_;  ///< past positions in the filter
+  int frames_since_keyframe_ = 0;
+  int weak_frames_ = 0;
+
+  LandmarkId map_reference_ = kNoLandmark;  ///< stands for the library's common error
+  Vector3<float> map_reference_nominal_ = Vector3<float>::Zero();
+  Vector3<float> map_widened_at_ = Vector3<float>::Zero();
+  int next_library_slot_ = 0;
+  float way_m_ = 0.0F;
+  static constexpr int kMilestones = 8;
+  LandmarkId milestones_[kMilestones] = {};  ///< next_id_ at the last whole multiples of 2 m
+  int passed_milestones_ = 0;
+  static constexpr int kRefused = 32;
+  LandmarkId refused_[kRefused] = {};
+  int next_refused_ = 0;
+  Places places_;
+  Rigid<float> T_world_camera_captured_;
+  int unrecognised_ = 0;
+};
+
+}  // namespace cairn
+
+#include "cairn/runtime/detail/frame_tracker_impl.hpp"
+#include "cairn/runtime/detail/frame_tracker_library_impl.hpp"
+#include "cairn/runtime/detail/frame_tracker_map_impl.hpp"

@@ -1,0 +1,151 @@
+#pragma once
+
+#include <new>
+
+#include "cairn/geometry/pose_ransac.hpp"
+#include "cairn/map/library_matcher.hpp"
+#include "cairn/tracking/appearance.hpp"
+#include "cairn/vision/fast.hpp"
+
+namespace cairn {
+
+/// Finds the camera's place in a map library from one image, without any idea of it: corners spread
+/// over the whole image, upright descriptors, every library landmark compared with every one of
+/// them, P3P with RANSAC. The work is cut into steps of at most `max_pairs_per_step` comparisons,
+/// one a frame.
+///
+/// Descriptors are those of make_appearance(): upright, one scale. A vehicle's camera does not
+/// roll; a camera in the hand must be held within about 15 degrees of how the map was seen.
+template <class Config>
+class Relocaliser {
+ public:
+  static constexpr int kMaxFeatures = Config::kPlaceFeatures;
+  using Scalar = typename Config::Scalar;
+  using Matcher = LibraryMatcher<Config, kMaxFeatures>;
+  static constexpr int kColumns = 8;
+  static constexpr int kRows = 6;
+  static constexpr int kMaxCellWidth = Config::kMaxImageWidth / kColumns + 1;
+  static constexpr int kCornersPerCell = 6;
+
+  struct Parameters {
+    Parameters() {
+      ransac.min_inliers = 7;
+      ransac.inlier_px = Scalar(4);
+    }
+    int fast_threshold = 20;
+    int min_score = 25;
+    int features_per_cell = 3;
+    int margin_px = 34;
+    int min_features = 12;  ///< fewer in an image: nothing to be recognised
+    int max_pairs_per_step = 16384;
+    Scalar sigma_px = Scalar(1.5);
+    LibraryMatcherOptions matcher;
+    PoseRansacOptions<Scalar> ransac;
+  };
+
+  enum class Outcome : std::uint8_t {
+    kNothingToSee,  ///< the image has too few corners
+    kWorking,       ///< call step() with the next frame
+    kFailed,        ///< the library was gone through, and no pose found
+    kFound,         ///< T_map_camera() is the pose of the image that capture() had
+  };
+
+  /// Memory of one step, the caller's. Nothing in it outlives the step: copies copy nothing.
+  union Scratch {
+    Scratch() {}
+    Scratch(const Scratch&) {}
+    Scratch& operator=(const Scratch&) { return *this; }
+    ~Scratch() = default;
+    FastScratch<kMaxCellWidth> fast;
+    struct Pose {
+      LibraryMatch matches[kMaxFeatures];
+      PoseObservation<Scalar> observations[kMaxFeatures];
+    } pose;
+  };
+
+  bool working() const { return working_; }
+  void reset() { working_ = false; }
+
+  /// Begins with an image. Cost: FAST over the image, at most kMaxFeatures descriptors.
+  Outcome capture(const ImageView& image, const Parameters& parameters, Scratch& scratch) {
+    matcher_.clear();
+    for (int cell = 0; cell < kColumns * kRows; ++cell) {
+      describe_cell(image, cell, parameters, scratch.fast);
+    }
+    working_ = matcher_.feature_count() >= parameters.min_features;
+    return working_ ? Outcome::kWorking : Outcome::kNothingToSee;
+  }
+
+  /// Goes on. Cost: `max_pairs_per_step` comparisons and, in the last step, a RANSAC.
+  template <class Library>
+  Outcome step(const PinholeCamera<Scalar>& camera, const Library& library,
+               const Parameters& parameters, Random& random, Scratch& scratch) {
+    if (!matcher_.step(library, parameters.max_pairs_per_step, parameters.matcher)) {
+      return Outcome::kWorking;
+    }
+    working_ = false;
+    auto& pose = *new (&scratch.pose) typename Scratch::Pose();
+    LibraryMatch* matches = pose.matches;
+    PoseObservation<Scalar>* observations = pose.observations;
+    const int count = matcher_.matches(parameters.matcher, matches, kMaxFeatures);
+    const int usable =
+        to_observations(library, matcher_, matches, count, parameters.sigma_px, observations);
+    if (usable < parameters.ransac.min_inliers) return Outcome::kFailed;
+    PoseEstimate<Scalar> estimate;
+    PoseRansacReport<Scalar> report;
+    const Status status = estimate_pose_ransac(camera, observations, usable, parameters.ransac,
+                                               random, T_map_camera_, estimate, report);
+    // Of two places that look alike, the caller's own idea of where it is decides.
+    return ok(status) ? Outcome::kFound : Outcome::kFailed;
+  }
+
+  /// The pose found, in the map's coordinates.
+  const Rigid<Scalar>& T_map_camera() const { return T_map_camera_; }
+
+ private:
+  void describe_cell(const ImageView& image, int cell, const Parameters& parameters,
+                     FastScratch<kMaxCellWidth>& scratch) {
+    const int width = (image.width + kColumns - 1) / kColumns;
+    const int height = (image.height + kRows - 1) / kRows;
+    const int x0 = (cell % kColumns) * width;
+    const int y0 = (cell / kColumns) * height;
+    const int margin = parameters.margin_px;
+    const Rect rect = intersect({x0, y0, x0 + width, y0 + height},
+                                {margin, margin, image.width - margin, image.height - margin});
+    if (rect.empty() || rect.width() > kMaxCellWidth) return;
+    Corner corners[kCornersPerCell];
+    FastReport fast;
+    if (!ok(detect_fast(image, rect, parameters.fast_threshold, scratch, corners, kCornersPerCell,
+                        fast))) {
+      return;
+    }
+    const int found = fast.found - fast.dropped;
+    bool taken[kCornersPerCell] = {};
+    for (int k = 0; k < parameters.features_per_cell && k < kCornersPerCell; ++k) {
+      int best = -1;
+      for (int i = 0; i < found; ++i) {
+        if (taken[i] || corners[i].score < parameters.min_score) continue;
+        if (best < 0 || corners[i].score > corners[best].score) best = i;
+      }
+      if (best < 0) return;
+      taken[best] = true;
+      describe(image, corners[best]);
+    }
+  }
+
+  void describe(const ImageView& image, const Corner& corner) {
+    FreakPose pose;
+    pose.scale_index = kReferenceScaleIndex;
+    Descriptor descriptor;
+    if (!ok(describe_freak(image, corner.x, corner.y, pose, descriptor))) return;
+    const Vector2<Scalar> pixel(static_cast<Scalar>(corner.x), static_cast<Scalar>(corner.y));
+    // A full matcher has features enough.
+    static_cast<void>(matcher_.add_feature(pixel, descriptor));
+  }
+
+  Matcher matcher_;
+  Rigid<Scalar> T_map_camera_;
+  bool working_ = false;
+};
+
+}  // namespace cairn

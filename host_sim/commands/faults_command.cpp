@@ -1,0 +1,149 @@
+#include "host_sim/commands/faults_command.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <fmt/os.h>
+#include <nlohmann/json.hpp>
+
+#include "host_sim/faults/kidnap.hpp"
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/run/build_info.hpp"
+
+namespace cairn::host {
+namespace {
+
+constexpr int kFramesPerSecond = 30;
+constexpr double kThreeSigmaDof3 = 14.156;  // chi-square, 99.73 %
+
+struct FaultsOptions {
+  KidnapSettings kidnap;
+  std::filesystem::path out;
+};
+
+bool recovered(const KidnapTrial& trial) {
+  return trial.frames_to_recovery >= 0 && trial.frames_to_recovery <= 2 * kFramesPerSecond;
+}
+
+bool is_false(const KidnapTrial& trial) {
+  return trial.claimed && trial.jump_squared > kThreeSigmaDof3;
+}
+
+bool is_overconfident(const KidnapTrial& trial) {
+  return trial.claimed && trial.claimed_squared > kThreeSigmaDof3;
+}
+
+nlohmann::json summarise(const std::vector<KidnapTrial>& trials, KidnapKind kind, int length) {
+  int count = 0, in_time = 0, wrong = 0, overconfident = 0, by_library = 0;
+  std::vector<double> frames;
+  double worst_error = 0.0, worst_undisturbed = 0.0;
+  for (const KidnapTrial& trial : trials) {
+    if (trial.kind != kind || trial.length != length) continue;
+    ++count;
+    in_time += recovered(trial) ? 1 : 0;
+    wrong += is_false(trial) ? 1 : 0;
+    overconfident += is_overconfident(trial) ? 1 : 0;
+    by_library += trial.relocalised ? 1 : 0;
+    if (trial.frames_to_recovery >= 0) frames.push_back(trial.frames_to_recovery);
+    worst_error = std::max(worst_error, trial.error_m);
+    worst_undisturbed = std::max(worst_undisturbed, trial.undisturbed_error_m);
+  }
+  std::sort(frames.begin(), frames.end());
+  return {{"kind", to_string(kind)},
+          {"frames_blind", length},
+          {"trials", count},
+          {"recovered_in_2_s", in_time},
+          {"false_recoveries", wrong},
+          {"outside_own_3_sigma", overconfident},
+          {"by_library", by_library},
+          {"median_frames",
+           frames.empty() ? nlohmann::json(nullptr) : nlohmann::json(frames[frames.size() / 2])},
+          {"worst_error_m", worst_error},
+          {"worst_undisturbed_error_m", worst_undisturbed}};
+}
+
+void write_trials(const std::filesystem::path& folder, const std::vector<KidnapTrial>& trials) {
+  auto file = fmt::output_file((folder / "kidnapped.csv").string());
+  file.print(
+      "kind,frames_blind,start,frames_to_recovery,relocalised,tracking,error_m,"
+      "undisturbed_error_m,claimed_squared,jump_squared\n");
+  for (const KidnapTrial& t : trials) {
+    file.print("{},{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.3f}\n", to_string(t.kind), t.length,
+               t.start, t.frames_to_recovery, t.relocalised ? 1 : 0, t.claimed ? 1 : 0, t.error_m,
+               t.undisturbed_error_m, t.claimed_squared, t.jump_squared);
+  }
+}
+
+ExitCode run(const FaultsOptions& options, const std::string& command_line) {
+  if (options.kidnap.last_frame < options.kidnap.first_frame) {
+    throw UsageError("--last-frame lies before --first-frame");
+  }
+  std::filesystem::create_directories(options.out);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const std::vector<KidnapTrial> trials =
+      run_kidnap_trials(options.kidnap, [terminal](int done, int total) {
+        if (!terminal || done % 10 != 0) return;
+        fmt::print(stderr, "\rframe {} of {}", done, total);
+        std::fflush(stderr);
+      });
+  if (terminal) fmt::print(stderr, "\r{:40}\r", "");
+  write_trials(options.out, trials);
+  const BuildInfo build = build_info();
+  nlohmann::json summary = {{"command", command_line},
+                            {"seed", options.kidnap.seed},
+                            {"version", build.version},
+                            {"compiler", build.compiler},
+                            {"kidnapped", nlohmann::json::array()}};
+  bool holds = true;
+  fmt::print("{:<12} {:>6} {:>7} {:>14} {:>6} {:>14} {:>11} {:>14} {:>11}\n", "kind", "blind",
+             "trials", "back in 2 s", "false", "overconfident", "by library", "median frames",
+             "worst m");
+  for (const KidnapKind kind : {KidnapKind::kBlack, KidnapKind::kOtherPlace}) {
+    for (const int length : options.kidnap.lengths) {
+      const nlohmann::json row = summarise(trials, kind, length);
+      const int count = row["trials"];
+      holds = holds && row["false_recoveries"] == 0 &&
+              100 * row["recovered_in_2_s"].get<int>() >= 95 * count;
+      fmt::print("{:<12} {:>6} {:>7} {:>14} {:>6} {:>14} {:>11} {:>14} {:>11.2f}\n",
+                 to_string(kind), length, count, row["recovered_in_2_s"].get<int>(),
+                 row["false_recoveries"].get<int>(), row["outside_own_3_sigma"].get<int>(),
+                 row["by_library"].get<int>(), row["median_frames"].dump(),
+                 row["worst_error_m"].get<double>());
+      summary["kidnapped"].push_back(row);
+    }
+  }
+  summary["holds"] = holds;
+  std::ofstream(options.out / "summary.json") << summary.dump(2) << '\n';
+  fmt::print("results in {}\n", options.out.string());
+  return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
+}
+
+}  // namespace
+
+void register_faults_command(CommandContext& context) {
+  auto options = std::make_shared<FaultsOptions>();
+  CLI::App* command = context.app.add_subcommand(
+      "faults", "Kidnapped trials in the hall: the picture goes, and comes back");
+  command->add_option("--trials", options->kidnap.trials, "Trials of each kind and length")
+      ->check(CLI::Range(1, 10000));
+  command
+      ->add_option("--lengths", options->kidnap.lengths,
+                   "Frames without the true picture, separated by commas")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 2000));
+  command->add_option("--first-frame", options->kidnap.first_frame, "Earliest start of a trial")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--last-frame", options->kidnap.last_frame, "Latest start of a trial")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--seed", options->kidnap.seed, "Seed of the hall and of the trials");
+  command->add_option("--out", options->out, "Folder of the results")->required();
+  command->callback(
+      [options, &context] { context.exit_code = run(*options, context.command_line); });
+}
+
+}  // namespace cairn::host

@@ -1,0 +1,117 @@
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/runtime/vehicle_tracker.hpp"
+
+#include "plane_scene.hpp"
+
+namespace cairn {
+namespace {
+
+using Filter = GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
+using Vehicle = VehicleTracker<DefaultConfig, Filter>;
+using Image = std::vector<std::uint8_t>;
+
+/// GIVEN a vehicle that drove along a wall, which its camera looks at, and then stands, while its
+/// gyroscope goes on to tell of a turn that there is not, and the camera shows something else.
+class VehicleWithoutSight : public ::testing::Test {
+ protected:
+  static constexpr int kDriven = 60;
+  static constexpr int kBlind = 30;
+  static constexpr double kStep = 0.02;
+  static constexpr std::int64_t kStepUs = 33333;
+  static constexpr float kFalseTurn = 0.15F;  // rad/s: 0.15 rad, or 37 px, while blind
+
+  static std::vector<Image>& drive() {
+    static std::vector<Image> images;
+    if (!images.empty()) return images;
+    const test::PlaneScene scene(2.0, 0.22);
+    for (int k = 0; k < kDriven; ++k) {
+      images.push_back(
+          scene.render(test::small_camera(), {Quaternion<double>::Identity(), {k * kStep, 0, 0}}));
+    }
+    return images;
+  }
+
+  VehicleWithoutSight() {
+    const Rigid<float> T_vehicle_camera{{0.70710678F, -0.70710678F, 0.0F, 0.0F},
+                                        {0.0F, 0.0F, 1.0F}};
+    Vehicle::Start start;
+    start.covariance = 1e-8F * Matrix3<float>::Identity();
+    Vehicle::Parameters parameters;
+    parameters.odometry = {0.02F, 0.6F, 0.5F, 0.033333F};
+    EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), T_vehicle_camera,
+                                        start, parameters)));
+    for (int k = 0; k < kDriven; ++k) {
+      step(drive()[static_cast<std::size_t>(k)], static_cast<float>(kStep / 0.033333), 0.0F);
+    }
+    EXPECT_EQ(report_.state, TrackingState::kTracking);
+    EXPECT_GE(tracker_->library().size(), 12);
+  }
+
+  void step(const Image& image, float speed_mps, float turn) {
+    OdometrySample sample;
+    sample.t_us = frame_ * kStepUs;
+    sample.speed_mps = frame_ == 0 ? 0.0F : speed_mps;
+    sample.turn = turn;
+    static_cast<void>(tracker_->add_odometry(sample));
+    static_cast<void>(tracker_->process_frame(test::view(image, test::small_camera()), sample.t_us,
+                                              TickSource{}, report_));
+    ++frame_;
+  }
+  void stand_before(const Image& image, int frames, float turn) {
+    for (int k = 0; k < frames; ++k) {
+      step(image, 0.0F, turn);
+      relocalised_ = relocalised_ || report_.relocalised;
+    }
+  }
+
+  static constexpr double kWay = kStep * (kDriven - 1);
+  std::unique_ptr<Vehicle> tracker_ = std::make_unique<Vehicle>();
+  FrameReport report_;
+  bool relocalised_ = false;
+  int frame_ = 0;
+};
+
+TEST_F(VehicleWithoutSight, FindsItsPlaceInTheLibraryWhenThePictureIsBack) {
+  stand_before(Image(320 * 240, 0), kBlind, kFalseTurn);
+  EXPECT_NE(report_.state, TrackingState::kTracking);
+  EXPECT_GT(tracker_->filter().mean_pose().heading, 0.1F);
+  stand_before(drive().back(), 6, 0.0F);
+  EXPECT_TRUE(relocalised_);
+  EXPECT_EQ(report_.state, TrackingState::kTracking);
+  EXPECT_EQ(tracker_->health().relocalisations, 1U);
+  const PlanarPose<float> pose = tracker_->filter().mean_pose();
+  const Matrix3<float> c = tracker_->filter().pose_covariance();
+  RecordProperty("heading", std::to_string(pose.heading)); std::fprintf(stderr,"h %f x %f y %f sd %f %f %f\n",pose.heading,pose.position.x(),pose.position.y(),std::sqrt(c(2,2)),std::sqrt(c(0,0)),std::sqrt(c(1,1)));
+  EXPECT_NEAR(pose.heading, 0.0F, 0.03F);
+  EXPECT_NEAR(pose.position.x(), static_cast<float>(kWay), 0.05F);
+  EXPECT_NEAR(pose.position.y(), 0.0F, 0.05F);
+}
+
+TEST_F(VehicleWithoutSight, KeepsTheLandmarksItCouldNotSee) {
+  const int before = tracker_->filter().landmark_count();
+  const std::uint32_t removed = tracker_->health().landmarks_removed;
+  stand_before(Image(320 * 240, 0), kBlind, kFalseTurn);
+  EXPECT_GE(tracker_->filter().landmark_count(), before - 8);  // remembered positions may end
+  EXPECT_EQ(tracker_->health().landmarks_removed, removed);
+}
+
+/// The picture of a place where the vehicle cannot be: the start of the drive, while odometry and
+/// its noise leave a few centimetres.
+TEST_F(VehicleWithoutSight, RefusesAPlaceWhereItCannotBe) {
+  stand_before(drive().front(), kBlind, 0.0F);
+  EXPECT_FALSE(relocalised_);
+  EXPECT_EQ(tracker_->health().relocalisations, 0U);
+  const PlanarPose<float> pose = tracker_->filter().mean_pose();
+  EXPECT_NEAR(pose.position.x(), static_cast<float>(kWay), 0.2F);
+  stand_before(drive().back(), 10, 0.0F);
+  EXPECT_EQ(report_.state, TrackingState::kTracking);
+  EXPECT_NEAR(tracker_->filter().mean_pose().position.x(), static_cast<float>(kWay), 0.05F);
+}
+
+}  // namespace
+}  // namespace cairn
