@@ -18,6 +18,9 @@ class PlaneScene {
   explicit PlaneScene(double depth_m, double tile_m = 0.15, std::uint32_t seed = 1)
       : depth_m_(depth_m), tile_m_(tile_m), seed_(seed) {}
 
+  /// Makes the texture repeat every `period` tiles, both ways.
+  void repeat(int period) { period_ = period; }
+
   /// Renders with 4x4 samples a pixel.
   std::vector<std::uint8_t> render(const PinholeCamera<double>& camera,
                                    const Rigid<double>& T_world_camera) const {
@@ -53,8 +56,8 @@ class PlaneScene {
   double value(double x, double y) const {
     const double column = std::floor(x);
     const double row = std::floor(y);
-    std::uint32_t h = seed_ ^ (static_cast<std::uint32_t>(static_cast<int>(column)) * 0x9E3779B1U) ^
-                      (static_cast<std::uint32_t>(static_cast<int>(row)) * 0x85EBCA77U);
+    std::uint32_t h =
+        seed_ ^ (tile_number(column) * 0x9E3779B1U) ^ (tile_number(row) * 0x85EBCA77U);
     h ^= h >> 15U;
     h *= 0x2C1B3C6DU;
     h ^= h >> 12U;
@@ -71,6 +74,13 @@ class PlaneScene {
     return inside ? 128.0 + ((h & 64U) != 0U ? contrast : -contrast) : 128.0;
   }
 
+  std::uint32_t tile_number(double k) const {
+    const int number = static_cast<int>(k);
+    if (period_ == 0) return static_cast<std::uint32_t>(number);
+    return static_cast<std::uint32_t>((number % period_ + period_) % period_);
+  }
+
+  int period_ = 0;
   double depth_m_;
   double tile_m_;
   std::uint32_t seed_;

@@ -21,10 +21,8 @@ class Augmenter {
 
   /// Starts with no object. kInvalidArgument for a height that is not positive.
   Status initialise(const Parameters& parameters) {
-    VirtualObject shape;
-    const Status status = make_cairn(parameters.height_m, shape);
+    const Status status = make_cairn(parameters.height_m, shape_);
     if (!ok(status)) return status;
-    shape_ = shape;
     parameters_ = parameters;
     places_.clear();
     frames_without_ = parameters.frames_without_object;

@@ -7,7 +7,7 @@ namespace cairn {
 
 /// Paper A's two modules on one thread: FrameTracker on every frame, then a bounded slice of
 /// MapBuilder. The same input gives the same bytes. For two threads or tasks use the two modules
-/// and a SharedMap themselves (docs/how-to/two-tasks.md).
+/// and a SharedMap themselves (docs/how-to/rtos.md).
 template <class Config, class Filter>
 class VehicleTracker {
  public:
