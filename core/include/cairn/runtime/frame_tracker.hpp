@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <new>
 
 #include "cairn/map/shared_map.hpp"
 #include "cairn/map/visibility.hpp"
@@ -186,6 +187,14 @@ class FrameTracker {
   static constexpr int kReentryCandidates = 24;
   /// Whether this filter can hold landmarks of a library.
   static constexpr bool kTakesLandmarksBack = Filter::kHasWorldLandmarks;
+  /// Memory of what takes landmarks back from the library.
+  struct ComingBack {
+    SearchScratch search;
+    VisibleLandmark<float> visible[kReentryCandidates];
+    FixedVector<PixelMatch<float>, kMaxLandmarks> matches;
+    FixedVector<LandmarkId, kReentryCandidates> entered;
+  };
+
   void tell(Map& map, typename Map::Message::Kind kind, LandmarkId id);
   void store(int slot, const TrackedLandmark& landmark, Map& map);
   void reenter_landmarks(const Library& library, FrameReport& report);
@@ -200,6 +209,8 @@ class FrameTracker {
   void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
   bool plausible(const Rigid<float>& T_map_camera) const;
   bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
+  void find_expected(const ImageView& image, const Library& library,
+                     const Rigid<float>& T_map_camera, int count, ComingBack& work);
 
   PinholeCamera<float> camera_;
   Rigid<float> T_vehicle_camera_;
@@ -217,7 +228,9 @@ class FrameTracker {
     SearchScratch search;
     typename Supply::Scratch supply;
     typename Places::Scratch places;
+    ComingBack coming_back;
   } scratch_;
+  FixedVector<PixelMatch<float>, kMaxLandmarks> matches_;  ///< of one frame: not on the stack
   Random random_;
   Health health_;
   float frame_step_s_ = 0.0F;

@@ -163,7 +163,8 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   has_frame_ = true;
   const std::uint32_t predicted = ticks.now();
 
-  FixedVector<PixelMatch<float>, kMaxLandmarks> matches;
+  FixedVector<PixelMatch<float>, kMaxLandmarks>& matches = matches_;
+  matches.clear();
   SearchTotals totals;
   search_landmarks(image, View{*this}, table_, parameters_.search, parameters_.max_searches,
                    scratch_.search, matches, totals);

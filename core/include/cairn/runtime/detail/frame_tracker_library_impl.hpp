@@ -111,7 +111,7 @@ void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, Fra
   next_library_slot_ += slice.count;
   Rigid<float> T_map_camera = T_world_camera();
   T_map_camera.translation -= map_offset();
-  VisibleLandmark<float> visible[kReentryCandidates];
+  VisibleLandmark<float>* visible = (new (&scratch_.coming_back) ComingBack())->visible;
   const int count =
       find_visible(library, slice, camera_, T_map_camera, options,
                    Span<LandmarkId>{active, filter_.landmark_count()}, visible, kReentryCandidates);
@@ -208,68 +208,75 @@ bool FrameTracker<Config, Filter>::plausible(const Rigid<float>& T_map_camera) c
 template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Library& library,
                                              Map& map, FrameReport& report) {
-  constexpr float kWindowVariance = 16.0F;  // px^2: the pose found, and the way made since
   constexpr int kMinFound = 6;
   const Rigid<float> T_map_camera =
       places_.T_map_camera() * (T_world_camera_captured_.inverse() * T_world_camera());
   VisibilityOptions<float> options;
   options.margin_px = 30.0F;
   options.min_cosine = 0.9F;
-  VisibleLandmark<float> visible[kReentryCandidates];
+  ComingBack& work = *new (&scratch_.coming_back) ComingBack();
   const int count = find_visible(library, camera_, T_map_camera, options, Span<LandmarkId>{},
-                                 visible, kReentryCandidates);
-  FixedVector<PixelMatch<float>, kMaxLandmarks> matches;
-  for (int i = 0; i < count; ++i) {
-    const LibraryLandmark& archived = library[visible[i].slot];
-    PixelPrediction<float> prediction;
-    prediction.id = archived.id;
-    prediction.pixel = visible[i].prediction.pixel;
-    prediction.p_camera = visible[i].prediction.p_camera;
-    prediction.covariance = Matrix2<float>::Identity() * kWindowVariance;
-    Appearance appearance;
-    appearance.has_patch = false;
-    appearance.descriptor = archived.views[0].descriptor;
-    appearance.scale_index = archived.views[0].pose.scale_index;
-    Matrix2<float> warp;
-    PixelMatch<float> match;
-    SearchReport search;
-    if (!ok(predict_warp(camera_, archived.views[0].T_world_reference, T_map_camera,
-                         prediction.p_camera, warp)) ||
-        !ok(search_landmark(image, prediction, appearance, warp, parameters_.search,
-                            scratch_.search, match.pixel, search))) {
-      continue;
-    }
-    match.id = archived.id;
-    match.slot = visible[i].slot;  // the library's, until the landmark is in the filter
-    match.descriptor_distance = search.distance;
-    matches.push_back(match);
-  }
-  if (matches.size() < kMinFound || 2 * matches.size() < count) return false;
+                                 work.visible, kReentryCandidates);
+  find_expected(image, library, T_map_camera, count, work);
+  if (work.matches.size() < kMinFound || 2 * work.matches.size() < count) return false;
 
-  make_room(map, matches.size() + 2, kMaxLandmarks, report);
-  FixedVector<LandmarkId, kReentryCandidates> entered;
-  FixedVector<PixelMatch<float>, kMaxLandmarks> usable;
-  for (PixelMatch<float>& match : matches) {
-    if (filter_.find(match.id) < 0) {
-      if (!reenter(library[match.slot], report)) continue;
-      entered.push_back(match.id);
+  make_room(map, work.matches.size() + 2, kMaxLandmarks, report);
+  for (int i = work.matches.size() - 1; i >= 0; --i) {
+    PixelMatch<float>& match = work.matches[i];
+    if (filter_.find(match.id) >= 0) continue;
+    if (reenter(library[match.slot], report)) {
+      work.entered.push_back(match.id);
+    } else {
+      work.matches.remove_unordered(i);
     }
-    usable.push_back(match);
   }
-  for (PixelMatch<float>& match : usable) match.slot = filter_.find(match.id);
+  for (PixelMatch<float>& match : work.matches) match.slot = filter_.find(match.id);
   report.inliers = 0;
-  report.matches = usable.size();
+  report.matches = work.matches.size();
   report.status = Status::kOk;
-  update(usable, report);
+  update(work.matches, report);
   if (report.inliers >= kMinFound) {
-    note_matches(image, map, usable, report);
+    note_matches(image, map, work.matches, report);
     return true;
   }
   report.inliers = 0;
-  for (const LandmarkId id : entered) {
-    remove_landmark(filter_.find(id), report);
-  }
+  for (const LandmarkId id : work.entered) remove_landmark(filter_.find(id), report);
   return false;
+}
+
+/// Fills `matches` with those of the first `count` visible landmarks that the image shows near
+/// their place; their slots are the library's.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::find_expected(const ImageView& image, const Library& library,
+                                                 const Rigid<float>& T_map_camera, int count,
+                                                 ComingBack& work) {
+  constexpr float kWindowVariance = 16.0F;  // px^2: the pose found, and the way made since
+  for (int i = 0; i < count; ++i) {
+    const VisibleLandmark<float>& visible = work.visible[i];
+    const LandmarkView<float>& view = library[visible.slot].views[0];
+    PixelPrediction<float> prediction;
+    prediction.id = visible.id;
+    prediction.pixel = visible.prediction.pixel;
+    prediction.p_camera = visible.prediction.p_camera;
+    prediction.covariance = Matrix2<float>::Identity() * kWindowVariance;
+    Appearance appearance;
+    appearance.has_patch = false;
+    appearance.descriptor = view.descriptor;
+    appearance.scale_index = view.pose.scale_index;
+    Matrix2<float> warp;
+    PixelMatch<float> match;
+    SearchReport search;
+    if (!ok(predict_warp(camera_, view.T_world_reference, T_map_camera, prediction.p_camera,
+                         warp)) ||
+        !ok(search_landmark(image, prediction, appearance, warp, parameters_.search, work.search,
+                            match.pixel, search))) {
+      continue;
+    }
+    match.id = visible.id;
+    match.slot = visible.slot;
+    match.descriptor_distance = search.distance;
+    work.matches.push_back(match);
+  }
 }
 
 }  // namespace cairn
