@@ -90,7 +90,9 @@ class FrameTracker {
     float library_inflation = 4.0F;  ///< of the variances of landmarks taken back
     float map_drift = 0.03F;         ///< of the library's error along the way, m per sqrt(m)
     int relocalise_after = 5;        ///< weak frames
-    int map_anew_after = 8;          ///< places not recognised, until the unknown one is mapped
+    int map_anew_after = 8;          ///< looks at a place not recognised, until it is mapped anew
+    int expected_in_view = 8;  ///< landmarks that make it a known place, by odometry: it is looked
+    int known_patience = 5;    ///< at so many times longer
     typename Places::Parameters places;
     std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
     std::uint64_t seed = 1;
@@ -208,6 +210,7 @@ class FrameTracker {
   Vector3<float> map_offset() const;
   void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
   bool plausible(const Rigid<float>& T_map_camera) const;
+  bool in_known_place(const Library& library);
   bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
   void find_expected(const ImageView& image, const Library& library,
                      const Rigid<float>& T_map_camera, int count, ComingBack& work);
@@ -263,6 +266,7 @@ class FrameTracker {
   Places places_;
   Rigid<float> T_world_camera_captured_;
   int unrecognised_ = 0;
+  int patience_ = 0;
 };
 
 }  // namespace cairn

@@ -26,6 +26,7 @@ class Relocaliser {
   static constexpr int kRows = 6;
   static constexpr int kMaxCellWidth = Config::kMaxImageWidth / kColumns + 1;
   static constexpr int kCornersPerCell = 6;
+  static constexpr int kMaxPerCell = 3;  ///< of these, described
 
   struct Parameters {
     Parameters() {
@@ -34,7 +35,6 @@ class Relocaliser {
     }
     int fast_threshold = 20;
     int min_score = 25;
-    int features_per_cell = 3;
     int margin_px = 34;
     int min_features = 12;  ///< fewer in an image: nothing to be recognised
     int max_pairs_per_step = 16384;
@@ -56,7 +56,11 @@ class Relocaliser {
     Scratch(const Scratch&) {}
     Scratch& operator=(const Scratch&) { return *this; }
     ~Scratch() = default;
-    FastScratch<kMaxCellWidth> fast;
+    struct Corners {
+      FastScratch<kMaxCellWidth> fast;
+      Corner best[kMaxPerCell][kColumns * kRows];  // best[k]: the k-th best of each cell
+      int count[kColumns * kRows];
+    } corners;
     struct Pose {
       LibraryMatch matches[kMaxFeatures];
       PoseObservation<Scalar> observations[kMaxFeatures];
@@ -69,8 +73,15 @@ class Relocaliser {
   /// Begins with an image. Cost: FAST over the image, at most kMaxFeatures descriptors.
   Outcome capture(const ImageView& image, const Parameters& parameters, Scratch& scratch) {
     matcher_.clear();
+    auto& corners = *new (&scratch.corners) typename Scratch::Corners();
     for (int cell = 0; cell < kColumns * kRows; ++cell) {
-      describe_cell(image, cell, parameters, scratch.fast);
+      find_best(image, cell, parameters, corners);
+    }
+    // The best of every cell first: a full matcher is then spread over the whole image.
+    for (int k = 0; k < kMaxPerCell; ++k) {
+      for (int cell = 0; cell < kColumns * kRows; ++cell) {
+        if (k < corners.count[cell]) describe(image, corners.best[k][cell]);
+      }
     }
     working_ = matcher_.feature_count() >= parameters.min_features;
     return working_ ? Outcome::kWorking : Outcome::kNothingToSee;
@@ -103,8 +114,9 @@ class Relocaliser {
   const Rigid<Scalar>& T_map_camera() const { return T_map_camera_; }
 
  private:
-  void describe_cell(const ImageView& image, int cell, const Parameters& parameters,
-                     FastScratch<kMaxCellWidth>& scratch) {
+  void find_best(const ImageView& image, int cell, const Parameters& parameters,
+                 typename Scratch::Corners& corners) {
+    corners.count[cell] = 0;
     const int width = (image.width + kColumns - 1) / kColumns;
     const int height = (image.height + kRows - 1) / kRows;
     const int x0 = (cell % kColumns) * width;
@@ -113,23 +125,20 @@ class Relocaliser {
     const Rect rect = intersect({x0, y0, x0 + width, y0 + height},
                                 {margin, margin, image.width - margin, image.height - margin});
     if (rect.empty() || rect.width() > kMaxCellWidth) return;
-    Corner corners[kCornersPerCell];
+    Corner found[kCornersPerCell];
     FastReport fast;
-    if (!ok(detect_fast(image, rect, parameters.fast_threshold, scratch, corners, kCornersPerCell,
-                        fast))) {
+    if (!ok(detect_fast(image, rect, parameters.fast_threshold, corners.fast, found,
+                        kCornersPerCell, fast))) {
       return;
     }
-    const int found = fast.found - fast.dropped;
-    bool taken[kCornersPerCell] = {};
-    for (int k = 0; k < parameters.features_per_cell && k < kCornersPerCell; ++k) {
-      int best = -1;
-      for (int i = 0; i < found; ++i) {
-        if (taken[i] || corners[i].score < parameters.min_score) continue;
-        if (best < 0 || corners[i].score > corners[best].score) best = i;
+    for (int i = 0; i < fast.found - fast.dropped; ++i) {
+      if (found[i].score < parameters.min_score) continue;
+      int k = corners.count[cell] < kMaxPerCell ? corners.count[cell]++ : kMaxPerCell - 1;
+      if (corners.best[k][cell].score >= found[i].score) continue;  // a new one's is 0
+      for (; k > 0 && corners.best[k - 1][cell].score < found[i].score; --k) {
+        corners.best[k][cell] = corners.best[k - 1][cell];
       }
-      if (best < 0) return;
-      taken[best] = true;
-      describe(image, corners[best]);
+      corners.best[k][cell] = found[i];
     }
   }
 

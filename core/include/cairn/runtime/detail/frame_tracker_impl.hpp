@@ -41,6 +41,7 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   next_refused_ = 0;
   places_.reset();
   unrecognised_ = 0;
+  patience_ = parameters.map_anew_after;
   return Status::kOk;
 }
 
@@ -207,7 +208,7 @@ void FrameTracker<Config, Filter>::keep_map(const ImageView& image, Map& map, Fr
   } else if (can_recognise && weak_frames_ >= parameters_.relocalise_after) {
     relocalise(image, *library, map, report);
   }
-  const bool anew = !can_recognise || unrecognised_ >= parameters_.map_anew_after;
+  const bool anew = !can_recognise || unrecognised_ >= patience_;
   build_map(image, known || consistent(report) || anew, report);
   if (known && can_recognise) reenter_landmarks(*library, report);
   if (library != nullptr) map.exchange.release();

@@ -166,7 +166,11 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
   }
   const Outcome outcome =
       places_.step(camera_, library, parameters_.places, random_, scratch_.places);
-  if (outcome == Outcome::kFailed) ++unrecognised_;
+  if (outcome == Outcome::kFailed) {
+    ++unrecognised_;
+    patience_ =
+        parameters_.map_anew_after * (in_known_place(library) ? parameters_.known_patience : 1);
+  }
   if (outcome != Outcome::kFound) return;
   if (plausible(places_.T_map_camera()) && come_back(image, library, map, report)) {
     report.relocalised = true;
@@ -176,6 +180,19 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     // The camera shows a place of the map where the vehicle cannot be: nothing to map there.
     unrecognised_ = -4 * parameters_.map_anew_after;
   }
+}
+
+/// Whether the library has much to show where odometry says the vehicle is. If so, a camera that
+/// shows none of it is more likely covered than in a new place.
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::in_known_place(const Library& library) {
+  Rigid<float> T_map_camera = T_world_camera();
+  T_map_camera.translation -= map_offset();
+  VisibleLandmark<float>* visible = (new (&scratch_.coming_back) ComingBack())->visible;
+  VisibilityOptions<float> options;
+  options.min_cosine = 0.9F;
+  return find_visible(library, camera_, T_map_camera, options, Span<LandmarkId>{}, visible,
+                      kReentryCandidates) >= parameters_.expected_in_view;
 }
 
 /// Whether a pose in the map could be where the filter believed to be when the image was taken.
