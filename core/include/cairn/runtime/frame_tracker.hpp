@@ -84,6 +84,7 @@ class FrameTracker {
     int uncertain_frames_to_lost = 60;
     float min_match_share = 0.08F;     ///< of the landmarks looked for; fewer are taken for chance
     int min_sightings_to_store = 6;    ///< of a landmark that leaves the filter
+    float min_return_share = 0.3F;     ///< the same after two weak frames
     int mature_sightings = 12;         ///< from then on a landmark is also in the library
     int library_slots_per_frame = 48;  ///< looked through for landmarks that come into view
     int max_reentries_per_frame = 3;

@@ -218,9 +218,14 @@ template <class Config, class Filter>
 void FrameTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches,
                                           FrameReport& report) {
   if (matches.empty()) return;
-  // Where the camera shows another place, a few landmarks are found by chance.
-  const float share = static_cast<float>(matches.size());
-  if (share < parameters_.min_match_share * static_cast<float>(report.searched)) return;
+  // Where the camera shows another place, a few landmarks are found by chance; the more so after
+  // blind frames, when the windows have grown.
+  const float least = weak_frames_ < 2 ? parameters_.min_match_share : parameters_.min_return_share;
+  const bool looked_up = matches.data() != matches_.data();
+  if (!looked_up &&
+      static_cast<float>(matches.size()) < least * static_cast<float>(report.searched)) {
+    return;
+  }
   const Status status =
       filter_.update_pixels(camera_, T_vehicle_camera_, parameters_.sigma_px, matches.data(),
                             matches.size(), random_, report.update);
