@@ -12,6 +12,25 @@
 namespace cairn::host {
 namespace {
 
+void add_handheld_options(CLI::App& command, HandheldOptions& options) {
+  command
+      .add_option("--measurement", options.measurement,
+                  "Handheld: find landmarks by their patches or by FREAK at FAST corners")
+      ->check(CLI::IsMember({"patch", "freak"}));
+  command
+      .add_option("--corner-score", options.corner_score,
+                  "Handheld: least FAST score of a new landmark")
+      ->check(CLI::Range(1, 255));
+  command.add_option("--sigma-px", options.sigma_px, "Handheld: standard deviation of a pixel")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--focal-error", options.focal_error,
+                  "Handheld: make the tracker's focal length wrong by this share")
+      ->check(CLI::Range(-0.3, 0.3));
+  command.add_flag("--estimate-focal-length", options.estimate_focal_length,
+                   "Handheld: the focal length is a state of the filter");
+}
+
 void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("SOURCE", options.source, "Built-in world, data set or video")->required();
   command.add_option("--out", options.out, "Folder for the results")->required();
@@ -46,6 +65,7 @@ void add_options(CLI::App& command, RunOptions& options) {
                   "Landmark recordings: as recorded, or with the data set's measured calibration")
       ->check(CLI::IsMember({"plain", "calibrated"}))
       ->capture_default_str();
+  add_handheld_options(command, options.handheld);
   command.add_option("--camera", options.camera, "Camera file of a video source");
   command.add_option("--odometry", options.odometry, "Odometry of a video source (CSV)");
   command.add_option("--times", options.times, "Frame times of a video source (CSV)");
@@ -72,6 +92,9 @@ void register_run_command(CommandContext& context) {
   add_options(*command, *options);
   command->callback([&context, options] {
     check_fading(options->fading);
+    if (!options->record.empty() && !options->handheld.is_default()) {
+      throw UsageError("--record: an input log replays the tracker's own settings");
+    }
     options->command_line = context.command_line;
     context.exit_code = dispatch_run(*options);
   });

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "host_sim/run/handheld_options.hpp"
+
 namespace cairn::host {
 
 /// What `cairn_sim timing` wants of a run; the times are always taken.
@@ -31,6 +33,7 @@ struct RunOptions {
   std::optional<double> start_heading_variance;
   std::optional<double> start_position_variance;
   std::string profile = "plain";  ///< plain, calibrated: of landmark recordings
+  HandheldOptions handheld;
   std::filesystem::path camera;
   std::filesystem::path odometry;
   std::filesystem::path times;

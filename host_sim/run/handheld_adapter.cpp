@@ -27,11 +27,14 @@ class HandheldAdapter : public Tracker {
     } else if (!options.fading.empty()) {
       parameters.filter.fading_factor = std::strtof(options.fading.c_str(), nullptr);
     }
+    const PinholeCamera<float> camera = apply(options.handheld, source.camera, parameters);
     Augmenter::Parameters objects;
     objects.height_m = 0.3F;
     static_cast<void>(augmenter_.initialise(objects));
     fading_ = options.fading.empty() ? "1" : options.fading;
-    const Status status = core_->initialise(to_float(source.camera), parameters);
+    const bool patch = parameters.search.method == SearchMethod::kPatch;
+    measurement_ = patch ? "patch" : "freak";
+    const Status status = core_->initialise(camera, parameters);
     if (!ok(status)) {
       throw InputError(source.name, fmt::format("camera refused: {}", to_string(status)));
     }
@@ -66,15 +69,34 @@ class HandheldAdapter : public Tracker {
     return {{"mode", "handheld"},
             {"filter", "mono"},
             {"fading", fading_},
+            {"measurement", measurement_},
             {"max_features", Core::kMaxFeatures},
             {"tracker_bytes", sizeof(Core)},
             {"filter_bytes", sizeof(typename Core::Filter)}};
   }
 
  private:
+  static PinholeCamera<float> apply(const HandheldOptions& options,
+                                    const PinholeCamera<double>& true_camera,
+                                    typename Core::Parameters& parameters) {
+    if (options.measurement == "patch") parameters.search.method = SearchMethod::kPatch;
+    if (options.measurement == "freak") {
+      parameters.search.method = SearchMethod::kDescriptor;
+      parameters.filter.sigma_px = 1.0F;
+    }
+    if (options.corner_score) parameters.supply.min_score = *options.corner_score;
+    if (options.sigma_px) parameters.filter.sigma_px = static_cast<float>(*options.sigma_px);
+    parameters.filter.estimate_focal_length = options.estimate_focal_length;
+    PinholeCamera<double> camera = true_camera;
+    camera.fx *= 1.0 + options.focal_error;
+    camera.fy *= 1.0 + options.focal_error;
+    return to_float(camera);
+  }
+
   std::unique_ptr<Core> core_;
   Augmenter augmenter_;
   std::string fading_;
+  std::string measurement_;
 };
 
 }  // namespace

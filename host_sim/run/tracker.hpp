@@ -14,6 +14,7 @@
 #include "cairn/numeric/health.hpp"
 #include "cairn/runtime/frame_report.hpp"
 
+#include "host_sim/run/handheld_options.hpp"
 #include "host_sim/sources/frame_source.hpp"
 
 namespace cairn::host {
@@ -68,6 +69,7 @@ struct TrackerOptions {
   std::string fading;  ///< a number, adaptive, or empty for the filter's own
   double budget_ms = 41.57;
   std::uint64_t seed = 1;
+  HandheldOptions handheld;
   /// Vehicle mode: where the estimate starts, with its variances (x and y alike; heading).
   double start_x_m = 0.0;
   double start_y_m = 0.0;

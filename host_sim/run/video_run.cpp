@@ -73,6 +73,10 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
   tracker.fading = options.fading;
   tracker.budget_ms = options.budget_ms;
   tracker.seed = options.seed;
+  tracker.handheld = options.handheld;
+  if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
+    throw UsageError("--measurement and the options beside it: only for --mode handheld");
+  }
   if (tracker.mode == Mode::kVehicle) set_start(options, first, tracker);
   return tracker;
 }

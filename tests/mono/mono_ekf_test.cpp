@@ -40,6 +40,45 @@ TYPED_TEST(MonoEkfContract, RefusesImpossibleConfiguration) {
   EXPECT_EQ(filter.initialise(camera, {}), Status::kOk);
 }
 
+TYPED_TEST(MonoEkfContract, RestartsAtAPose) {
+  using T = TypeParam;
+  using Filter = MonoEkf<TypeParam, 24>;
+  MonoScene scene;
+  Filter filter;
+  Random random(1);
+  const Rigid<T> pose{rotation_exp(Vector3<T>(T(0.1), T(-0.2), T(0.3))), {T(1), T(2), T(-3)}};
+  EXPECT_EQ(filter.restart(pose), Status::kNotInitialised);
+  ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), {})));
+  scene.add_features(filter, 24);
+  for (int k = 0; k < 10; ++k) scene.step(filter, random);
+  const std::uint32_t used = filter.health().innovations_used;
+
+  // A pose that is none: refused, nothing changed.
+  const std::uint64_t before = test::hash_of(filter);
+  Rigid<T> bad = pose;
+  bad.translation.x() = std::numeric_limits<T>::infinity();
+  EXPECT_EQ(filter.restart(bad), Status::kNonFiniteInput);
+  bad = pose;
+  bad.rotation.coeffs() *= T(2);
+  EXPECT_EQ(filter.restart(bad), Status::kNonFiniteInput);
+  EXPECT_EQ(test::hash_of(filter), before);
+
+  ASSERT_EQ(filter.restart(pose), Status::kOk);
+  EXPECT_EQ(filter.feature_count(), 0);
+  EXPECT_EQ(filter.health().resets, 1U);
+  EXPECT_EQ(filter.health().innovations_used, used);
+  EXPECT_LT((filter.T_world_camera().translation - pose.translation).norm(), T(1e-6));
+  EXPECT_LT(rotation_log(filter.T_world_camera().rotation.conjugate() * pose.rotation).norm(),
+            T(1e-6));
+  EXPECT_LT((filter.pose_covariance().norm()), T(1e-9));
+
+  // The lever says where a camera on a pivot is.
+  MonoParameters<T> pivot;
+  pivot.motion = MotionModel::kPivot;
+  ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), pivot)));
+  EXPECT_EQ(filter.restart(pose), Status::kBadConfig);
+}
+
 TYPED_TEST(MonoEkfContract, EveryErrorLeavesTheEstimateUnchangedToTheBit) {
   using T = TypeParam;
   using Filter = MonoEkf<TypeParam, 24>;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cairn/numeric/random.hpp"
+
 #include "plane_scene.hpp"
 
 namespace cairn {
@@ -44,6 +46,7 @@ class ActiveSearch : public ::testing::Test {
     int tried = 0;
     int found = 0;
     int by_descriptor = 0;
+    int precise = 0;  ///< within half a pixel of the truth
     double rms_px = 0.0;
   };
 
@@ -63,13 +66,16 @@ class ActiveSearch : public ::testing::Test {
       }
       ++outcome.found;
       outcome.by_descriptor += report.by_descriptor ? 1 : 0;
-      sum += (pixel.cast<double>() - truth_).squaredNorm();
+      const double error_squared = (pixel.cast<double>() - truth_).squaredNorm();
+      outcome.precise += error_squared < 0.25 ? 1 : 0;
+      sum += error_squared;
     }
     outcome.rms_px = outcome.found > 0 ? std::sqrt(sum / outcome.found) : 0.0;
     return outcome;
   }
 
   static constexpr int kCorners = 64;
+  static constexpr SearchMethod kMethods[] = {SearchMethod::kDescriptor, SearchMethod::kPatch};
   PinholeCamera<double> camera_ = test::small_camera();
   PlaneScene scene_{kDepth};
   Rigid<double> T_second_{rotation_exp(Vector3<double>(0.01, -0.02, 0.15)), {0.08, -0.05, 0.25}};
@@ -103,6 +109,42 @@ TEST_F(ActiveSearch, FindsLandmarksByTheirDescriptorWhenThePredictionIsFarOff) {
   EXPECT_LT(far.rms_px, 0.25);
 }
 
+TEST_F(ActiveSearch, FindsMoreLandmarksByTheirPatches) {
+  // The plane's rectangles look alike, so that a few are taken for a neighbour in a wide window.
+  for (const double sigma_px : {1.0, 4.0}) {
+    const auto offset_px = static_cast<float>(sigma_px);
+    parameters_.method = SearchMethod::kDescriptor;
+    const Outcome by_descriptor = search_all(sigma_px, offset_px);
+    parameters_.method = SearchMethod::kPatch;
+    const Outcome by_patch = search_all(sigma_px, offset_px);
+    ASSERT_GE(by_patch.tried, 20);
+    EXPECT_GE(by_patch.found, by_descriptor.found) << sigma_px;
+    EXPECT_GE(by_patch.precise * 10, by_patch.tried * 8) << sigma_px;
+    EXPECT_GE(by_patch.precise, by_descriptor.precise) << sigma_px;
+    EXPECT_EQ(by_patch.by_descriptor, 0);
+  }
+}
+
+TEST_F(ActiveSearch, FindsNoPatchInNoise) {
+  parameters_.method = SearchMethod::kPatch;
+  std::vector<std::uint8_t> noise(second_.size());
+  Random random(5);
+  for (std::uint8_t& value : noise) value = static_cast<std::uint8_t>(random.next() >> 24U);
+  int tried = 0;
+  for (int i = 0; i < count_; ++i) {
+    if (!prepare(corners_[i], 4.0)) continue;
+    ++tried;
+    const Vector2<float> before(-1.0F, -2.0F);
+    Vector2<float> pixel = before;
+    SearchReport report;
+    EXPECT_EQ(search_landmark(test::view(noise, camera_), prediction_, appearance_, warp_,
+                              parameters_, scratch_, pixel, report),
+              Status::kNotFound);
+    EXPECT_EQ(pixel, before);
+  }
+  ASSERT_GE(tried, 10);
+}
+
 TEST_F(ActiveSearch, FindsNothingInAnotherPlace) {
   const auto other = PlaneScene(kDepth, 0.11, 99).render(camera_, T_second_);
   int tried = 0;
@@ -123,11 +165,14 @@ TEST_F(ActiveSearch, RefusesAnImpossibleCovariance) {
   ASSERT_GT(count_, 0);
   prepare(corners_[0], 4.0);
   prediction_.covariance.setZero();
-  Vector2<float> pixel;
-  SearchReport report;
-  EXPECT_EQ(search_landmark(test::view(second_, camera_), prediction_, appearance_, warp_,
-                            parameters_, scratch_, pixel, report),
-            Status::kSingular);
+  for (const SearchMethod method : kMethods) {
+    parameters_.method = method;
+    Vector2<float> pixel;
+    SearchReport report;
+    EXPECT_EQ(search_landmark(test::view(second_, camera_), prediction_, appearance_, warp_,
+                              parameters_, scratch_, pixel, report),
+              Status::kSingular);
+  }
 }
 
 TEST_F(ActiveSearch, StaysInsideItsBoundsWhereverThePredictionLies) {
@@ -136,11 +181,14 @@ TEST_F(ActiveSearch, StaysInsideItsBoundsWhereverThePredictionLies) {
   for (int v = -50; v < 300; v += 25) {
     for (int u = -50; u < 380; u += 25) {
       prediction_.pixel = Vector2<float>(static_cast<float>(u), static_cast<float>(v));
-      Vector2<float> pixel;
-      SearchReport report;
-      static_cast<void>(search_landmark(test::view(second_, camera_), prediction_, appearance_,
-                                        warp_, parameters_, scratch_, pixel, report));
-      EXPECT_LE(report.descriptors, SearchParameters::kMaxCorners);
+      for (const SearchMethod method : kMethods) {
+        parameters_.method = method;
+        Vector2<float> pixel;
+        SearchReport report;
+        static_cast<void>(search_landmark(test::view(second_, camera_), prediction_, appearance_,
+                                          warp_, parameters_, scratch_, pixel, report));
+        EXPECT_LE(report.descriptors, SearchParameters::kMaxCorners);
+      }
     }
   }
 }

@@ -89,6 +89,38 @@ TEST_F(HandheldAtAWall, InstancesDoNotTouchEachOther) {
   }
 }
 
+TEST_F(HandheldAtAWall, KeepsAGoodStart) {
+  for (int k = 0; k < kFrames; ++k) static_cast<void>(step(*tracker_, k, report_));
+  EXPECT_EQ(tracker_->health().losses, 0U);
+  EXPECT_EQ(tracker_->filter().health().resets, 0U);
+}
+
+TEST_F(HandheldAtAWall, SaysThatAStartWhichDoesNotFitIsLostAndBeginsAnewAtItsPose) {
+  // GIVEN a trial that no start passes, of blocks of eight frames, and one restart allowed
+  Handheld::Parameters parameters;
+  parameters.start_misfit = 1e-6F;
+  parameters.start_block_frames = 8;
+  parameters.max_restarts = 1;
+  ASSERT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), parameters)));
+  Rigid<float> before;
+  for (int k = 0; k < kFrames; ++k) {
+    before = tracker_->filter().T_world_camera();
+    const Status status = step(*tracker_, k, report_);
+    if (k != 7) {
+      EXPECT_NE(status, Status::kLost) << k;
+      continue;
+    }
+    // THEN its first block's last frame is lost, and the pose goes on from there
+    EXPECT_EQ(status, Status::kLost);
+    EXPECT_EQ(report_.state, TrackingState::kLost);
+    EXPECT_EQ(tracker_->filter().feature_count(), 0);
+    EXPECT_LT((report_.T_world_camera.translation - before.translation).norm(), 0.1F);
+  }
+  EXPECT_EQ(tracker_->health().losses, 1U);
+  EXPECT_EQ(tracker_->filter().health().resets, 1U);
+  EXPECT_EQ(report_.state, TrackingState::kTracking);
+}
+
 TEST_F(HandheldAtAWall, IsCalledLostWhenNothingIsSeenForLong) {
   for (int k = 0; k < kFrames; ++k) static_cast<void>(step(*tracker_, k, report_));
   const Image black(320 * 240, 0);

@@ -1,7 +1,12 @@
 #include "cairn/mono/patch_search.hpp"
 
+#include <cstring>
+
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
+
+#include "../vision/patch_rows.hpp"
+#include "../vision/word_dsp.hpp"
 
 namespace cairn {
 namespace {
@@ -11,11 +16,29 @@ constexpr int kSide = 2 * kHalf + 1;
 constexpr int kPixels = kSide * kSide;
 constexpr int kMargin = kHalf + 1;
 
-/// The patch as the current view should show it.
+/// The patch as the current view should show it: rows of 11 values and a zero.
 struct Template {
-  std::int32_t values[kPixels];
-  std::int32_t sum;
-  std::int64_t spread;  ///< kPixels^2 times the variance
+  static constexpr int kPitch = kSide + 1;
+  std::int16_t values[kSide * kPitch] = {};
+  std::int32_t sum = 0;
+  std::int64_t spread = 0;  ///< kPixels^2 times the variance
+
+  /// Where a row keeps the value of a column: as the board's instructions take bytes apart.
+  static int place(int column) {
+#if defined(__ARM_FEATURE_SIMD32)
+    constexpr int kPlaces[4] = {0, 2, 1, 3};
+    return (column & ~3) + kPlaces[column & 3];
+#else
+    return column;
+#endif
+  }
+};
+
+/// Sums over the pixels under a template.
+struct Sums {
+  std::int32_t sum = 0;
+  std::int32_t squares = 0;
+  std::int32_t product = 0;
 };
 
 /// Value of the patch at (x, y), Q16 from its centre, held at its border.
@@ -44,36 +67,69 @@ bool make_template(const Patch& patch, const PatchWarp& warp, Template& out) {
   const std::int64_t yx = inverse(-warp.yx), yy = inverse(warp.xx);
   out.sum = 0;
   std::int64_t squares = 0;
-  std::int32_t* value = out.values;
-  for (int y = -kHalf; y <= kHalf; ++y) {
-    for (int x = -kHalf; x <= kHalf; ++x) {
-      *value = patch_value(patch, xx * x + xy * y, yx * x + yy * y);
-      out.sum += *value;
-      squares += *value * *value;
-      ++value;
+  for (int row = 0; row < kSide; ++row) {
+    const int y = row - kHalf;
+    for (int column = 0; column < kSide; ++column) {
+      const int x = column - kHalf;
+      const std::int32_t value = patch_value(patch, xx * x + xy * y, yx * x + yy * y);
+      out.values[row * Template::kPitch + Template::place(column)] =
+          static_cast<std::int16_t>(value);
+      out.sum += value;
+      squares += value * value;
     }
   }
   out.spread = kPixels * squares - static_cast<std::int64_t>(out.sum) * out.sum;
   return out.spread >= 4 * kPixels * kPixels;
 }
 
-/// The squared correlation times the template's spread; 0 where it is not positive.
-std::int64_t score_at(const ImageView& image, int x, int y, const Template& t) {
-  std::int32_t sum = 0, squares = 0, product = 0;
-  const std::int32_t* value = t.values;
-  for (int j = -kHalf; j <= kHalf; ++j) {
-    const std::uint8_t* row = image.data + (y + j) * image.stride + x - kHalf;
-    for (int i = 0; i < kSide; ++i) {
-      const std::int32_t v = row[i];
-      sum += v;
-      squares += v * v;
-      product += v * *value++;
-    }
+#if defined(__ARM_FEATURE_SIMD32)
+
+/// Adds a row of the image: four bytes at a time as two pairs of 16-bit values.
+__attribute__((always_inline)) inline void add_row(const std::uint8_t* p, const std::int16_t* t,
+                                                   const vision::ByteAdder& add_bytes, Sums& sums) {
+  auto total = static_cast<std::uint32_t>(sums.sum);
+  for (int column = 0; column < Template::kPitch; column += 4) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, p + column, sizeof word);
+    if (column + 4 > kSide) word &= 0x00FFFFFFU;
+    total = add_bytes(word, total);
+    const vision::Pair even = word & 0x00FF00FFU;
+    const vision::Pair odd = (word >> 8U) & 0x00FF00FFU;
+    sums.squares = vision::add_products(even, even, sums.squares);
+    sums.squares = vision::add_products(odd, odd, sums.squares);
+    sums.product = vision::add_products(even, vision::load_pair(t + column), sums.product);
+    sums.product = vision::add_products(odd, vision::load_pair(t + column + 2), sums.product);
   }
-  const std::int64_t spread =
-      static_cast<std::int64_t>(kPixels) * squares - static_cast<std::int64_t>(sum) * sum;
-  const std::int64_t covariance =
-      static_cast<std::int64_t>(kPixels) * product - static_cast<std::int64_t>(sum) * t.sum;
+  sums.sum = static_cast<std::int32_t>(total);
+}
+
+#else
+
+inline void add_row(const std::uint8_t* p, const std::int16_t* t, const vision::ByteAdder&,
+                    Sums& sums) {
+  for (int column = 0; column < kSide; ++column) {
+    const std::int32_t v = p[column];
+    sums.sum += v;
+    sums.squares += v * v;
+    sums.product += v * t[column];
+  }
+}
+
+#endif
+
+/// The squared correlation times the template's spread; 0 where it is not positive. Domain: the
+/// pixel right of the window is inside the image.
+std::int64_t score_at(const ImageView& image, int x, int y, const Template& t) {
+  const vision::ByteAdder add_bytes;
+  Sums sums;
+  const std::uint8_t* p = image.data + (y - kHalf) * image.stride + x - kHalf;
+  for (int row = 0; row < kSide; ++row, p += image.stride) {
+    add_row(p, t.values + row * Template::kPitch, add_bytes, sums);
+  }
+  const std::int64_t spread = static_cast<std::int64_t>(kPixels) * sums.squares -
+                              static_cast<std::int64_t>(sums.sum) * sums.sum;
+  const std::int64_t covariance = static_cast<std::int64_t>(kPixels) * sums.product -
+                                  static_cast<std::int64_t>(sums.sum) * t.sum;
   if (spread <= 0 || covariance <= 0) return 0;
   return covariance * covariance / spread;
 }

@@ -100,10 +100,13 @@ Status search_landmark(const ImageView& image, const PixelPrediction<float>& pre
                        const SearchParameters& parameters, SearchScratch& scratch,
                        Vector2<float>& pixel, SearchReport& report) {
   report = SearchReport{};
-  Ellipse ellipse;
-  if (!make_ellipse(prediction, parameters.gate, ellipse)) return Status::kSingular;
   PatchWarp patch_warp;
   if (!to_patch_warp(warp, patch_warp)) return Status::kOutOfView;
+  if (parameters.method == SearchMethod::kPatch && appearance.has_patch) {
+    return search_patch(image, prediction, appearance.patch, patch_warp, parameters.patch, pixel);
+  }
+  Ellipse ellipse;
+  if (!make_ellipse(prediction, parameters.gate, ellipse)) return Status::kSingular;
 
   Found best;
   const FreakPose pose = steer(warp, appearance.scale_index);

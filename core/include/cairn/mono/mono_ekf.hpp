@@ -72,6 +72,12 @@ class MonoEkf {
   /// the camera or a parameter is impossible.
   Status initialise(const PinholeCamera<T>& camera, const Parameters& parameters);
 
+  /// Starts over with the camera at a known pose, taken as exact: no features, velocities as after
+  /// initialise(), Health kept but for one more reset. kNotInitialised; kBadConfig for kPivot,
+  /// whose position follows from the lever; kNonFiniteInput (also for a quaternion far from length
+  /// 1). On an error the filter is unchanged.
+  Status restart(const Rigid<T>& T_world_camera);
+
   /// Moves the state on by `dt_s` seconds and fades the memory: x <- f(x), P <- S F P F' + Q (paper
   /// B, eq. 31). kNotInitialised, kDuplicate (dt = 0), kTimeBackwards, kTimeGap (beyond
   /// Parameters::max_step_s), kNonFiniteInput. Cost: O(n), with fading O(n^2 / 2).

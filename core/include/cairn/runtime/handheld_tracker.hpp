@@ -29,7 +29,13 @@ class HandheldTracker {
   using Filter = MonoEkf<float, kMaxFeatures>;
   using Supply = FeatureSupply<Config::kMaxImageWidth>;
 
+  /// The defaults of the members but for two: landmarks are found by their patches, and a pixel's
+  /// standard deviation is 0.7 (docs/reference/turntable-results.md has the comparison).
   struct Parameters {
+    Parameters() {
+      search.method = SearchMethod::kPatch;
+      filter.sigma_px = 0.7F;
+    }
     typename Filter::Parameters filter;
     SearchParameters search;
     typename Supply::Parameters supply;
@@ -38,6 +44,14 @@ class HandheldTracker {
     int max_searches = kMaxFeatures;
     int min_inliers = 6;  ///< fewer: uncertain
     int uncertain_frames_to_lost = 20;
+    /// A start is on trial for `start_blocks` blocks of frames. Where the innovations of one block
+    /// exceed `start_misfit` times their covariance, the filter has settled in the mirrored
+    /// solution (translation and relief reversed): the frame is lost and the map begins anew at its
+    /// pose, at most `max_restarts` times.
+    int start_blocks = 5;
+    int start_block_frames = 15;
+    float start_misfit = 1.3F;
+    int max_restarts = 5;
     std::int64_t max_step_us = 500000;  ///< a longer gap is not integrated
     std::uint64_t seed = 1;
   };
@@ -64,6 +78,12 @@ class HandheldTracker {
   void hash(Hash64& hash) const;
 
  private:
+  struct StartTrial {
+    int frames = 0;
+    int restarts = 0;
+    float misfit = 0.0F;  ///< of this block, by degree of freedom 1 on average
+    float dof = 0.0F;
+  };
   /// What search_landmarks asks of a filter.
   struct View {
     const Filter& filter;
@@ -81,6 +101,7 @@ class HandheldTracker {
   void update(FixedVector<PixelMatch<float>, kMaxFeatures>& matches, FrameReport& report);
   void remove_features(FrameReport& report);
   void add_features(const ImageView& image, FrameReport& report);
+  void watch_start(FrameReport& report);
   void judge(FrameReport& report);
   bool object_place(Rigid<float>& T_world_object);
 
@@ -101,6 +122,7 @@ class HandheldTracker {
   std::int64_t last_t_us_ = 0;
   LandmarkId next_id_ = 1;
   int weak_frames_ = 0;
+  StartTrial start_;
 };
 
 }  // namespace cairn

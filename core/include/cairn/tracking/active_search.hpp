@@ -1,15 +1,26 @@
 #pragma once
 
+#include <cstdint>
+
+#include "cairn/mono/patch_search.hpp"
 #include "cairn/numeric/status.hpp"
 #include "cairn/tracking/appearance.hpp"
 #include "cairn/vision/fast.hpp"
 
 namespace cairn {
 
+/// How a landmark is found in its window.
+enum class SearchMethod : std::uint8_t {
+  kDescriptor,  ///< FREAK at FAST corners, then alignment of the patch
+  kPatch,       ///< correlation of the patch (search_patch): finds more, needs a small window
+};
+
 /// Limits and thresholds of the search for one landmark. All counts are bounds on work.
 struct SearchParameters {
   static constexpr int kMaxCorners = 8;      ///< corners described in a window
   static constexpr int kMaxHalfWindow = 24;  ///< px
+  SearchMethod method = SearchMethod::kDescriptor;
+  PatchSearchParameters patch;  ///< of kPatch, which uses none of the following
   int fast_threshold = 20;
   int max_distance = 140;         ///< largest Hamming distance of a match
   int ratio_percent = 90;         ///< best <= ratio * second best, unless both are the same corner
@@ -37,7 +48,8 @@ using SearchScratch = FastScratch<2 * SearchParameters::kMaxHalfWindow + 8>;
 /// patch. When no corner matches and the window is small, the patch is aligned from the predicted
 /// pixel instead. An appearance without a patch ends at the corner. Paper A, steps 2.3 and 2.4.
 /// kOutOfView: window outside the image; kNotFound: nothing matched. Cost: one FAST window of (2 *
-/// kMaxHalfWindow + 1)^2 px, kMaxCorners descriptors, one alignment.
+/// kMaxHalfWindow + 1)^2 px, kMaxCorners descriptors, one alignment. SearchMethod::kPatch calls
+/// search_patch instead, with its errors and its cost, and needs a patch.
 Status search_landmark(const ImageView& image, const PixelPrediction<float>& prediction,
                        const Appearance& appearance, const Matrix2<float>& warp,
                        const SearchParameters& parameters, SearchScratch& scratch,

@@ -72,6 +72,33 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::initialise(const PinholeCamera<T>& c
 }
 
 template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::restart(const Rigid<T>& T_world_camera) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (parameters_.motion == MotionModel::kPivot) return Status::kBadConfig;
+  const Vector3<T>& r = T_world_camera.translation;
+  const Quaternion<T>& q = T_world_camera.rotation;
+  const T norm = sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
+  if (!is_finite(r.x()) || !is_finite(r.y()) || !is_finite(r.z()) || !is_finite(norm) ||
+      !(abs(norm - T(1)) < T(0.01))) {
+    ++health_.non_finite_inputs;
+    return Status::kNonFiniteInput;
+  }
+  const Health kept = health_;
+  const Parameters parameters = parameters_;
+  const PinholeCamera<T> camera = camera_;
+  const Status status = initialise(camera, parameters);
+  if (!ok(status)) return status;
+  health_ = kept;
+  ++health_.resets;
+  const T attitude[4] = {q.w(), q.x(), q.y(), q.z()};
+  for (int i = 0; i < 4; ++i) x_[layout_.quaternion + i] = attitude[i] / norm;
+  if (layout_.position >= 0) {
+    for (int i = 0; i < 3; ++i) x_[layout_.position + i] = r(i);
+  }
+  return Status::kOk;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
 Vector<T, 4> MonoEkf<T, MaxFeatures, MaxAnchors>::quaternion_at(const T* x) const {
   const T* q = x + layout_.quaternion;
   return {q[0], q[1], q[2], q[3]};

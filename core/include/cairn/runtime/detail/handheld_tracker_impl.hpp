@@ -23,6 +23,7 @@ Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
   has_frame_ = false;
   next_id_ = 1;
   weak_frames_ = 0;
+  start_ = StartTrial{};
   return Status::kOk;
 }
 
@@ -85,6 +86,7 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   remove_features(report);
   add_features(image, report);
   judge(report);
+  watch_start(report);
   report.T_world_camera = filter_.T_world_camera();
   report.landmarks = filter_.feature_count();
   const std::uint32_t updated = ticks.now();
@@ -186,6 +188,28 @@ void HandheldTracker<Config>::judge(FrameReport& report) {
   }
   if (state_ == TrackingState::kLost) report.status = Status::kLost;
   report.state = state_;
+}
+
+/// A match that was refused counts with the gate, so that refusing them does not hide a misfit.
+template <class Config>
+void HandheldTracker<Config>::watch_start(FrameReport& report) {
+  const Parameters& p = parameters_;
+  if (start_.frames >= p.start_blocks * p.start_block_frames) return;
+  const auto refused = static_cast<float>(report.matches - report.inliers);
+  start_.misfit += report.update.nis + p.filter.rescue_gate * refused;
+  start_.dof += static_cast<float>(2 * report.matches);
+  if (++start_.frames % p.start_block_frames != 0) return;
+  const bool mirrored = start_.misfit > p.start_misfit * start_.dof;
+  start_.misfit = start_.dof = 0.0F;
+  if (!mirrored || start_.restarts >= p.max_restarts) return;
+  if (!ok(filter_.restart(filter_.T_world_camera()))) return;
+  table_.clear();
+  start_.frames = 0;
+  ++start_.restarts;
+  ++health_.losses;
+  state_ = TrackingState::kInitialising;
+  report.state = TrackingState::kLost;
+  report.status = Status::kLost;
 }
 
 template <class Config>

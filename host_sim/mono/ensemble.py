@@ -1,0 +1,51 @@
+#!/usr/bin/env python3
+"""Runs one handheld source with nine settings that should not matter (least corner score 20, 25 and 30,
+times first frame 0, 2 and 4 later) and prints median and worst errors: a single run of a monocular filter
+says little, because a small change of the input may change its path.
+
+  ensemble.py SOURCE --first 150 --out DIR [options of cairn_sim run]
+"""
+import argparse
+import itertools
+import json
+import statistics
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+
+def run(args, rest, score, later):
+    out = args.out / f"{score}-{later}"
+    command = [args.program, "run", args.source, "--mode", "handheld", "--no-video", "--out", out,
+               "--first-frame", str(args.first + later), "--corner-score", str(score), *rest]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return json.loads((out / "summary.json").read_text(encoding="utf-8"))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("source")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--program", type=Path, default=ROOT / "build/host/bin/cairn_sim")
+    parser.add_argument("--jobs", type=int, default=2)
+    args, rest = parser.parse_known_args()
+    settings = list(itertools.product((20, 25, 30), (0, 2, 4)))
+    with ThreadPoolExecutor(args.jobs) as pool:
+        runs = list(pool.map(lambda setting: run(args, rest, *setting), settings))
+    for (score, later), summary in zip(settings, runs):
+        trajectory = summary["trajectory"]
+        print(f"score {score} first +{later}: ATE {trajectory['ate_rmse_m']} m, "
+              f"rotation {trajectory['rotation_rmse_deg']} deg, NIS a degree of freedom "
+              f"{summary['nis']['mean'] / summary['nis']['dof']:.2f}, lost {summary['lost']}")
+    for key, unit in (("ate_rmse_m", "m"), ("rotation_rmse_deg", "deg")):
+        values = [summary["trajectory"][key] for summary in runs]
+        if None in values:
+            continue
+        print(f"{key}: median {statistics.median(values):.4f} {unit}, worst {max(values):.4f} {unit}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace cairn::host {
+
+/// What a handheld run changes about the tracker to compare it with itself. Not in the input log.
+struct HandheldOptions {
+  std::string measurement;          ///< patch or freak; empty: the tracker's own
+  std::optional<int> corner_score;  ///< least FAST score of a new landmark
+  std::optional<double> sigma_px;   ///< of a measured pixel
+  double focal_error = 0.0;         ///< share by which the tracker's focal length is made wrong
+  bool estimate_focal_length = false;
+
+  bool is_default() const {
+    return measurement.empty() && !corner_score && !sigma_px && focal_error == 0.0 &&
+           !estimate_focal_length;
+  }
+};
+
+}  // namespace cairn::host
