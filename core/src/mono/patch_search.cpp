@@ -21,7 +21,8 @@ struct Template {
   static constexpr int kPitch = kSide + 1;
   std::int16_t values[kSide * kPitch] = {};
   std::int32_t sum = 0;
-  std::int64_t spread = 0;  ///< kPixels^2 times the variance
+  std::int32_t coarse_sum = 0;  ///< of every second row
+  std::int64_t spread = 0;      ///< kPixels^2 times the variance
 
   /// Where a row keeps the value of a column: as the board's instructions take bytes apart.
   static int place(int column) {
@@ -65,7 +66,7 @@ bool make_template(const Patch& patch, const PatchWarp& warp, Template& out) {
   };
   const std::int64_t xx = inverse(warp.yy), xy = inverse(-warp.xy);
   const std::int64_t yx = inverse(-warp.yx), yy = inverse(warp.xx);
-  out.sum = 0;
+  out.sum = out.coarse_sum = 0;
   std::int64_t squares = 0;
   for (int row = 0; row < kSide; ++row) {
     const int y = row - kHalf;
@@ -75,6 +76,7 @@ bool make_template(const Patch& patch, const PatchWarp& warp, Template& out) {
       out.values[row * Template::kPitch + Template::place(column)] =
           static_cast<std::int16_t>(value);
       out.sum += value;
+      if (row % 2 == 0) out.coarse_sum += value;
       squares += value * value;
     }
   }
@@ -117,19 +119,22 @@ inline void add_row(const std::uint8_t* p, const std::int16_t* t, const vision::
 
 #endif
 
-/// The squared correlation times the template's spread; 0 where it is not positive. Domain: the
-/// pixel right of the window is inside the image.
+/// The squared correlation times the template's spread over every Step-th row; 0 where it is not
+/// positive. Domain: the pixel right of the window is inside the image.
+template <int Step>
 std::int64_t score_at(const ImageView& image, int x, int y, const Template& t) {
+  constexpr std::int64_t kCount = (kSide + Step - 1) / Step * kSide;
+  const std::int32_t template_sum = Step == 1 ? t.sum : t.coarse_sum;
   const vision::ByteAdder add_bytes;
   Sums sums;
   const std::uint8_t* p = image.data + (y - kHalf) * image.stride + x - kHalf;
-  for (int row = 0; row < kSide; ++row, p += image.stride) {
+  for (int row = 0; row < kSide; row += Step, p += Step * image.stride) {
     add_row(p, t.values + row * Template::kPitch, add_bytes, sums);
   }
-  const std::int64_t spread = static_cast<std::int64_t>(kPixels) * sums.squares -
-                              static_cast<std::int64_t>(sums.sum) * sums.sum;
-  const std::int64_t covariance = static_cast<std::int64_t>(kPixels) * sums.product -
-                                  static_cast<std::int64_t>(sums.sum) * t.sum;
+  const std::int64_t spread =
+      kCount * sums.squares - static_cast<std::int64_t>(sums.sum) * sums.sum;
+  const std::int64_t covariance =
+      kCount * sums.product - static_cast<std::int64_t>(sums.sum) * template_sum;
   if (spread <= 0 || covariance <= 0) return 0;
   return covariance * covariance / spread;
 }
@@ -161,23 +166,25 @@ Status search_patch(const ImageView& image, const PixelPrediction<float>& predic
   const int half_y = clamp(round_to_int(sqrt(parameters.gate * s(1, 1)) + 0.5F), 2, kLimit);
   const int u = round_to_int(prediction.pixel.x());
   const int v = round_to_int(prediction.pixel.y());
-  Best best;
-  const auto consider = [&](int x, int y) {
-    if (x < kMargin || y < kMargin || x >= image.width - kMargin || y >= image.height - kMargin) {
-      return;
-    }
-    const std::int64_t score = score_at(image, x, y, t);
-    if (score > best.score) best = {x, y, score};
+  const auto fits = [&image](int x, int y) {
+    return x >= kMargin && y >= kMargin && x < image.width - kMargin && y < image.height - kMargin;
   };
+  Best coarse;
   for (int y = v - half_y; y <= v + half_y; y += 2) {
     for (int x = u - half_x; x <= u + half_x; x += 2) {
-      if (inside(static_cast<float>(x), static_cast<float>(y))) consider(x, y);
+      if (!inside(static_cast<float>(x), static_cast<float>(y)) || !fits(x, y)) continue;
+      const std::int64_t score = score_at<2>(image, x, y, t);
+      if (score > coarse.score) coarse = {x, y, score};
     }
   }
-  const Best coarse = best;
   if (coarse.score == 0) return Status::kNotFound;
+  Best best;
   for (int y = coarse.y - 1; y <= coarse.y + 1; ++y) {
-    for (int x = coarse.x - 1; x <= coarse.x + 1; ++x) consider(x, y);
+    for (int x = coarse.x - 1; x <= coarse.x + 1; ++x) {
+      if (!fits(x, y)) continue;
+      const std::int64_t score = score_at<1>(image, x, y, t);
+      if (score > best.score) best = {x, y, score};
+    }
   }
   const std::int64_t wanted =
       static_cast<std::int64_t>(parameters.min_correlation_q10) * parameters.min_correlation_q10;

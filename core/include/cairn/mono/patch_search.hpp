@@ -15,13 +15,14 @@ struct PatchSearchParameters {
 };
 
 /// Looks for one feature in the 99 % ellipse of its prediction by the normalised correlation of its
-/// warped patch: every second pixel of every second row, then all neighbours of the best, then
+/// warped patch: every second pixel of every second row by half of the patch's rows, then all
+/// neighbours of the best by all of them, then
 /// sub-pixel alignment (align_patch). It needs no corner at the feature, and finds a quarter more
 /// of them than descriptors at FAST corners (docs/reference/turntable-results.md).
 ///
 /// kSingular: the covariance is not positive definite; kDegenerate: the warp cannot be inverted or
 /// the patch has no texture; kNotFound; `pixel` untouched on each. Integers but for the ellipse.
-/// Cost: at most (kMaxHalfWindow + 1)^2 + 9 correlations of 121 pixels, one alignment.
+/// Cost: at most (kMaxHalfWindow + 1)^2 + 9 correlations of 66 and 121 pixels, one alignment.
 Status search_patch(const ImageView& image, const PixelPrediction<float>& prediction,
                     const Patch& patch, const PatchWarp& warp,
                     const PatchSearchParameters& parameters, Vector2<float>& pixel);
