@@ -4,9 +4,8 @@
 
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
-
-#include "../vision/patch_rows.hpp"
-#include "../vision/word_dsp.hpp"
+#include "cairn/vision/detail/patch_rows.hpp"
+#include "cairn/vision/detail/word_dsp.hpp"
 
 namespace cairn {
 namespace {

@@ -3,9 +3,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "cairn/vision/detail/word_dsp.hpp"
 #include "cairn/vision/hamming.hpp"
-
-#include "word_dsp.hpp"
 
 #if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
 #define CAIRN_VISION_X86 1

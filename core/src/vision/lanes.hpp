@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "word_dsp.hpp"
+#include "cairn/vision/detail/word_dsp.hpp"
 
 #if defined(__SSE2__)
 #include <emmintrin.h>

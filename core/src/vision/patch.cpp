@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <initializer_list>
 
-#include "patch_rows.hpp"
+#include "cairn/vision/detail/patch_rows.hpp"
 
 namespace cairn {
 namespace {

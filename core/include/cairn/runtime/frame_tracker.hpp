@@ -93,7 +93,7 @@ class FrameTracker {
     int relocalise_after = 5;        ///< weak frames
     int map_anew_after = 8;          ///< looks at a place not recognised, until it is mapped anew
     int expected_in_view = 8;  ///< landmarks that make it a known place, by odometry: it is looked
-    int known_patience = 5;    ///< at so many times longer
+    int known_patience = 2;    ///< at so many times longer
     typename Places::Parameters places;
     std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
     std::uint64_t seed = 1;
@@ -210,6 +210,10 @@ class FrameTracker {
   }
   Vector3<float> map_offset() const;
   void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
+  bool looks_for_place() const {
+    return kTakesLandmarksBack && weak_frames_ >= parameters_.relocalise_after &&
+           unrecognised_ < patience_;
+  }
   bool plausible(const Rigid<float>& T_map_camera) const;
   bool in_known_place(const Library& library);
   bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);

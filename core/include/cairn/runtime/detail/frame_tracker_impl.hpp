@@ -167,8 +167,10 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   FixedVector<PixelMatch<float>, kMaxLandmarks>& matches = matches_;
   matches.clear();
   SearchTotals totals;
-  search_landmarks(image, View{*this}, table_, parameters_.search, parameters_.max_searches,
-                   scratch_.search, matches, totals);
+  // While the place is looked up, that work takes the place of most searches.
+  const int searches = looks_for_place() ? parameters_.max_searches / 4 : parameters_.max_searches;
+  search_landmarks(image, View{*this}, table_, parameters_.search, searches, scratch_.search,
+                   matches, totals);
   report.corners = totals.corners;
   report.candidates = totals.descriptors;
   report.searched = totals.searched;
@@ -205,7 +207,8 @@ void FrameTracker<Config, Filter>::keep_map(const ImageView& image, Map& map, Fr
     remove_landmarks(map, report);
     places_.reset();
     unrecognised_ = 0;
-  } else if (can_recognise && weak_frames_ >= parameters_.relocalise_after) {
+  } else if (can_recognise && looks_for_place()) {
+    pool_.clear();
     relocalise(image, *library, map, report);
   }
   const bool anew = !can_recognise || unrecognised_ >= patience_;
