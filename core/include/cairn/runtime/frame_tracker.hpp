@@ -85,6 +85,7 @@ class FrameTracker {
     float min_match_share = 0.08F;     ///< of the landmarks looked for; fewer are taken for chance
     int min_sightings_to_store = 6;    ///< of a landmark that leaves the filter
     float min_return_share = 0.3F;     ///< the same after two weak frames
+    int min_return_matches = 6;        ///< and at least so many
     int mature_sightings = 12;         ///< from then on a landmark is also in the library
     int library_slots_per_frame = 48;  ///< looked through for landmarks that come into view
     int max_reentries_per_frame = 3;
@@ -211,9 +212,11 @@ class FrameTracker {
   Vector3<float> map_offset() const;
   void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
   bool looks_for_place() const {
-    return kTakesLandmarksBack && weak_frames_ >= parameters_.relocalise_after &&
+    return has_library_ && weak_frames_ >= parameters_.relocalise_after &&
            unrecognised_ < patience_;
   }
+  /// Whether this frame's image will be taken to look its place up: no two frames in a row.
+  bool captures_next() const { return looks_for_place() && !places_.working() && !captured_; }
   bool plausible(const Rigid<float>& T_map_camera) const;
   bool in_known_place(const Library& library);
   bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
@@ -270,6 +273,8 @@ class FrameTracker {
   int next_refused_ = 0;
   Places places_;
   Rigid<float> T_world_camera_captured_;
+  bool captured_ = false;     ///< by the last frame that looked for its place
+  bool has_library_ = false;  ///< something to look a place up in
   int unrecognised_ = 0;
   int patience_ = 0;
 };

@@ -26,7 +26,7 @@ class Relocaliser {
   static constexpr int kRows = 6;
   static constexpr int kMaxCellWidth = Config::kMaxImageWidth / kColumns + 1;
   static constexpr int kCornersPerCell = 6;
-  static constexpr int kMaxPerCell = 4;  ///< of these, described
+  static constexpr int kMaxPerCell = 3;  ///< of these, described
 
   struct Parameters {
     Parameters() {
@@ -68,21 +68,14 @@ class Relocaliser {
   };
 
   bool working() const { return working_; }
-  void reset() {
-    working_ = false;
-    odd_cells_ = false;
-  }
+  void reset() { working_ = false; }
 
-  /// Begins with an image: every other cell of it, the others next time. Cost: FAST over half of
-  /// the image, at most kMaxFeatures descriptors.
+  /// Begins with an image. Cost: FAST over the image, at most kMaxFeatures descriptors.
   Outcome capture(const ImageView& image, const Parameters& parameters, Scratch& scratch) {
     matcher_.clear();
     auto& corners = *new (&scratch.corners) typename Scratch::Corners();
-    odd_cells_ = !odd_cells_;
     for (int cell = 0; cell < kColumns * kRows; ++cell) {
-      const bool odd = ((cell % kColumns + cell / kColumns) & 1) != 0;
-      corners.count[cell] = 0;
-      if (odd == odd_cells_) find_best(image, cell, parameters, corners);
+      find_best(image, cell, parameters, corners);
     }
     // The best of every cell first: a full matcher is then spread over the whole image.
     for (int k = 0; k < kMaxPerCell; ++k) {
@@ -123,6 +116,7 @@ class Relocaliser {
  private:
   void find_best(const ImageView& image, int cell, const Parameters& parameters,
                  typename Scratch::Corners& corners) {
+    corners.count[cell] = 0;
     const int width = (image.width + kColumns - 1) / kColumns;
     const int height = (image.height + kRows - 1) / kRows;
     const int x0 = (cell % kColumns) * width;
@@ -161,7 +155,6 @@ class Relocaliser {
   Matcher matcher_;
   Rigid<Scalar> T_map_camera_;
   bool working_ = false;
-  bool odd_cells_ = false;
 };
 
 }  // namespace cairn

@@ -41,6 +41,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   next_refused_ = 0;
   places_.reset();
   unrecognised_ = 0;
+  has_library_ = false;
+  captured_ = false;
   patience_ = parameters.map_anew_after;
   return Status::kOk;
 }
@@ -167,8 +169,9 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   FixedVector<PixelMatch<float>, kMaxLandmarks>& matches = matches_;
   matches.clear();
   SearchTotals totals;
-  // While the place is looked up, that work takes the place of most searches.
-  const int searches = looks_for_place() ? parameters_.max_searches / 4 : parameters_.max_searches;
+  // While the place is looked up, that work takes the place of searches.
+  const int least = captures_next() ? 0 : parameters_.max_searches / 2;
+  const int searches = looks_for_place() ? least : parameters_.max_searches;
   search_landmarks(image, View{*this}, table_, parameters_.search, searches, scratch_.search,
                    matches, totals);
   report.corners = totals.corners;
@@ -203,6 +206,7 @@ void FrameTracker<Config, Filter>::keep_map(const ImageView& image, Map& map, Fr
   const Library* library = map.exchange.acquire();
   const bool known = consistent(report) || state_ == TrackingState::kInitialising;
   const bool can_recognise = kTakesLandmarksBack && library != nullptr && !library->empty();
+  has_library_ = can_recognise;
   if (known) {
     remove_landmarks(map, report);
     places_.reset();
@@ -225,9 +229,10 @@ void FrameTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLan
   // blind frames, when the windows have grown.
   const float least = weak_frames_ < 2 ? parameters_.min_match_share : parameters_.min_return_share;
   const bool looked_up = matches.data() != matches_.data();
-  if (!looked_up &&
-      static_cast<float>(matches.size()) < least * static_cast<float>(report.searched)) {
-    return;
+  if (!looked_up) {
+    const auto found = static_cast<float>(matches.size());
+    if (found < least * static_cast<float>(report.searched)) return;
+    if (weak_frames_ >= 2 && matches.size() < parameters_.min_return_matches) return;
   }
   const Status status =
       filter_.update_pixels(camera_, T_vehicle_camera_, parameters_.sigma_px, matches.data(),

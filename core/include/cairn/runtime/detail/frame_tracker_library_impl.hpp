@@ -160,10 +160,13 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
                                               Map& map, FrameReport& report) {
   using Outcome = typename Places::Outcome;
   if (!places_.working()) {
+    captured_ = !captured_;
+    if (!captured_) return;
     T_world_camera_captured_ = T_world_camera();
     static_cast<void>(places_.capture(image, parameters_.places, scratch_.places));
     return;
   }
+  captured_ = false;
   const Outcome outcome =
       places_.step(camera_, library, parameters_.places, random_, scratch_.places);
   if (outcome == Outcome::kFailed) {
