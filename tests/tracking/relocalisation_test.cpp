@@ -108,6 +108,7 @@ TEST_F(VehicleWithoutSight, RefusesAPlaceWhereItCannotBe) {
   stand_before(drive().front(), kBlind, 0.0F);
   EXPECT_FALSE(relocalised_);
   EXPECT_EQ(tracker_->health().relocalisations, 0U);
+  EXPECT_GE(tracker_->health().false_relocalisations_refused, 1U);  // it knew the place
   const PlanarPose<float> pose = tracker_->filter().mean_pose();
   EXPECT_NEAR(pose.position.x(), static_cast<float>(kWay), 0.2F);
   stand_before(drive().back(), 10, 0.0F);

@@ -65,15 +65,14 @@ class MapBuilder {
  private:
   void take(const typename Map::Message& message, Library& library) {
     using Kind = typename Map::Message::Kind;
-    Status status = Status::kOk;
     if (message.kind != Kind::kStore) {
       // A landmark may have been replaced since the tracker saw it.
-      status = library.record(message.id, message.kind == Kind::kFound);
-      static_cast<void>(status);
+      static_cast<void>(library.record(message.id, message.kind == Kind::kFound));
       return;
     }
-    status = library.find(message.landmark.id) < 0 ? library.insert(message.landmark, health_)
-                                                   : library.update(message.landmark);
+    const Status status = library.find(message.landmark.id) < 0
+                              ? library.insert(message.landmark, health_)
+                              : library.update(message.landmark);
     if (!ok(status) && status != Status::kFull) ++health_.landmarks_refused;
   }
 

@@ -33,7 +33,8 @@ namespace cairn {
 /// All storage is inside; the caller decides where an instance lies. One frame costs at most
 /// `max_searches` landmark searches, one filter update of as many matches, one step of the
 /// candidate pool, `cells_per_frame` cells of corner detection and `library_slots_per_frame`
-/// projections; while lost, one step of the relocaliser in place of the map's growth.
+/// projections; while lost, one step of the relocaliser and at most two passes over the library in
+/// place of the map's growth.
 template <class Config, class Filter>
 class FrameTracker {
  public:

@@ -21,7 +21,8 @@ class VehicleTracker {
   using Parameters = typename Frames::Parameters;
   static constexpr int kMaxLandmarks = Frames::kMaxLandmarks;
 
-  /// Map builder messages worked off after a frame: the tracker sends fewer.
+  /// Map builder messages worked off after a frame. The ring holds twice as many; a frame that
+  /// takes a whole view back can send more, and what does not fit is counted as dropped.
   static constexpr int kMessagesPerFrame = 8;
 
   /// Starts anew at a known pose, with the library as it is. Errors: as FrameTracker::initialise().
