@@ -1,11 +1,19 @@
 #pragma once
 
+#include <utility>
+
 #include "cairn/numeric/packed_symmetric.hpp"
 
 namespace cairn::detail {
 
 /// Most vectors that one pass over a covariance takes away.
 inline constexpr int kMostRank = 8;
+
+#if defined(__SSE2__) || defined(__ARM_NEON)
+inline constexpr bool kHasVectors = true;
+#else
+inline constexpr bool kHasVectors = false;
+#endif
 
 /// What one pass over a covariance changes: it takes sum_r w[r] w[r]^T over r < rank away, and adds
 /// extra extra^T where `extra` is given.
@@ -17,44 +25,43 @@ struct LowRank {
 };
 
 /// Two neighbouring rows of P at a time, so that each element of w is loaded once for both: `count`
-/// elements of p0, one more of p1.
-template <int Rank, bool Extra, class T, int Stride>
+/// elements of p0, one more of p1. The sums are written out by the pack: compilers for small cores
+/// keep an array that a loop indexes in memory.
+template <bool Extra, class T, int Stride, int... R>
 inline void subtract_rows(T* __restrict p0, T* __restrict p1, int count, int i,
-                          const T (*__restrict w)[Stride], const T* __restrict extra) {
-  T f0[Rank + 1];
-  T f1[Rank + 1];
-  for (int r = 0; r < Rank; ++r) {
-    f0[r] = w[r][i];
-    f1[r] = w[r][i + 1];
-  }
-  f0[Rank] = Extra ? -extra[i] : T(0);
-  f1[Rank] = Extra ? -extra[i + 1] : T(0);
+                          [[maybe_unused]] const T (*__restrict w)[Stride],
+                          [[maybe_unused]] const T* __restrict extra,
+                          std::integer_sequence<int, R...>) {
+  const T f0[sizeof...(R) + 1] = {w[R][i]..., Extra ? -extra[i] : T(0)};
+  const T f1[sizeof...(R) + 1] = {w[R][i + 1]..., Extra ? -extra[i + 1] : T(0)};
+  constexpr int kLast = sizeof...(R);
   for (int j = 0; j < count; ++j) {
-    T sum0 = T(0);
-    T sum1 = T(0);
     if constexpr (Extra) {
-      sum0 = f0[Rank] * extra[j];
-      sum1 = f1[Rank] * extra[j];
+      p0[j] -= ((f0[kLast] * extra[j]) + ... + (f0[R] * w[R][j]));
+      p1[j] -= ((f1[kLast] * extra[j]) + ... + (f1[R] * w[R][j]));
+    } else {
+      p0[j] -= (... + (f0[R] * w[R][j]));
+      p1[j] -= (... + (f1[R] * w[R][j]));
     }
-    for (int r = 0; r < Rank; ++r) {
-      sum0 = r == 0 && !Extra ? f0[r] * w[r][j] : sum0 + f0[r] * w[r][j];
-      sum1 = r == 0 && !Extra ? f1[r] * w[r][j] : sum1 + f1[r] * w[r][j];
-    }
-    p0[j] -= sum0;
-    p1[j] -= sum1;
   }
-  T sum = Extra ? f1[Rank] * extra[count] : T(0);
-  for (int r = 0; r < Rank; ++r) sum += f1[r] * w[r][count];
+  T sum = Extra ? f1[kLast] * extra[count] : T(0);
+  ((sum += f1[R] * w[R][count]), ...);
   p1[count] -= sum;
 }
 
 template <int Rank, bool Extra, class T, int Capacity, int Stride>
 void downdate(PackedSymmetric<T, Capacity>& P, const LowRank<T, Stride>& by) {
+  using Terms = std::make_integer_sequence<int, Rank>;
+  // The same sums: tiles suit cores without vectors, whole rows those with them.
+  if constexpr (!kHasVectors && Rank > 0 && !Extra) {
+    P.template downdate<Rank, Stride>(&by.w[0][0]);
+    return;
+  }
   const int n = P.size();
   T* p = P.data();
   int i = 0;
   for (; i + 1 < n; i += 2) {
-    subtract_rows<Rank, Extra>(p, p + i + 1, i + 1, i, by.w, by.extra);
+    subtract_rows<Extra>(p, p + i + 1, i + 1, i, by.w, by.extra, Terms{});
     p += 2 * i + 3;
   }
   if (i == n) return;
@@ -100,27 +107,35 @@ struct Whitening {
   T y1 = T(0);
 };
 
-template <int Rank, bool Extra, class T, int Stride>
+template <bool Extra, class T, int Stride, int... R>
 void whiten_columns(T* __restrict g0, T* __restrict g1, T* __restrict d, int n,
-                    const Whitening<T>& whitening, const T (*__restrict w)[Stride],
-                    const T* __restrict extra) {
+                    const Whitening<T>& whitening, [[maybe_unused]] const T (*__restrict w)[Stride],
+                    [[maybe_unused]] const T* __restrict extra, std::integer_sequence<int, R...>) {
   const Whitening<T> k = whitening;
+  constexpr int kLast = sizeof...(R);
   for (int i = 0; i < n; ++i) {
-    T a = g0[i];
-    T b = g1[i];
-    for (int r = 0; r < Rank; ++r) {
-      a -= k.f0[r] * w[r][i];
-      b -= k.f1[r] * w[r][i];
-    }
+    T a = (g0[i] - ... - (k.f0[R] * w[R][i]));
+    T b = (g1[i] - ... - (k.f1[R] * w[R][i]));
     if constexpr (Extra) {
-      a -= k.f0[Rank] * extra[i];
-      b -= k.f1[Rank] * extra[i];
+      a -= k.f0[kLast] * extra[i];
+      b -= k.f1[kLast] * extra[i];
     }
     a *= k.i00;
     b = (b - k.l10 * a) * k.i11;
     g0[i] = a;
     g1[i] = b;
     d[i] += a * k.y0 + b * k.y1;
+  }
+}
+
+template <int Rank, class T, int Stride>
+void whiten_columns(T* g0, T* g1, T* d, int n, const Whitening<T>& k, const T (*w)[Stride],
+                    const T* extra) {
+  using Terms = std::make_integer_sequence<int, Rank>;
+  if (extra != nullptr) {
+    whiten_columns<true>(g0, g1, d, n, k, w, extra, Terms{});
+  } else {
+    whiten_columns<false>(g0, g1, d, n, k, w, extra, Terms{});
   }
 }
 
@@ -131,17 +146,13 @@ void whiten_columns(T* g0, T* g1, T* d, int n, const Whitening<T>& k, const T (*
   static_assert(kMostRank == 8, "one case for each even rank");
   switch (rank) {
     case 0:
-      return extra != nullptr ? whiten_columns<0, true>(g0, g1, d, n, k, w, extra)
-                              : whiten_columns<0, false>(g0, g1, d, n, k, w, extra);
+      return whiten_columns<0>(g0, g1, d, n, k, w, extra);
     case 2:
-      return extra != nullptr ? whiten_columns<2, true>(g0, g1, d, n, k, w, extra)
-                              : whiten_columns<2, false>(g0, g1, d, n, k, w, extra);
+      return whiten_columns<2>(g0, g1, d, n, k, w, extra);
     case 4:
-      return extra != nullptr ? whiten_columns<4, true>(g0, g1, d, n, k, w, extra)
-                              : whiten_columns<4, false>(g0, g1, d, n, k, w, extra);
+      return whiten_columns<4>(g0, g1, d, n, k, w, extra);
     default:
-      return extra != nullptr ? whiten_columns<6, true>(g0, g1, d, n, k, w, extra)
-                              : whiten_columns<6, false>(g0, g1, d, n, k, w, extra);
+      return whiten_columns<6>(g0, g1, d, n, k, w, extra);
   }
 }
 
