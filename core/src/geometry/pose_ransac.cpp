@@ -26,13 +26,6 @@ struct Problem {
 };
 
 template <class T>
-struct Hypothesis {
-  Rigid<T> pose;
-  T score = T(-1);  // sum over the support of 1 - (error / inlier_px)^2
-  int support = 0;
-};
-
-template <class T>
 Status check(const Problem<T>& problem) {
   const PoseRansacOptions<T>& o = problem.options;
   if (problem.observations == nullptr || problem.count < kSampleSize + 1 ||
@@ -67,8 +60,8 @@ void draw_sample(Random& random, int count, int (&sample)[kSampleSize]) {
 
 /// Scores a pose; stops early once it cannot reach `to_beat`.
 template <class T>
-void score(const Problem<T>& problem, T to_beat, Hypothesis<T>& hypothesis) {
-  const Rigid<T> T_camera_world = hypothesis.pose.inverse();
+void score(const Problem<T>& problem, T to_beat, PoseHypothesis<T>& hypothesis) {
+  const Rigid<T> T_camera_world = hypothesis.T_world_camera.inverse();
   const T limit = square(problem.options.inlier_px);
   hypothesis.score = T(0);
   hypothesis.support = 0;
@@ -129,76 +122,100 @@ int samples_needed(int support, int count, T confidence, int most) {
   return clamp(round_to_int(floor(needed)) + 1, 1, most);
 }
 
-/// The search: best hypothesis and the best one clearly different from it.
 template <class T>
-void search(const Problem<T>& problem, Random& random, Hypothesis<T>& best, Hypothesis<T>& second,
-            PoseRansacReport<T>& report) {
-  const int most = clamp(problem.options.max_hypotheses, 1, PoseRansacOptions<T>::kMaxHypotheses);
-  int needed = most;
-  std::uint8_t flags[kMaxPoseObservations];
-  Vector3<T> centre = Vector3<T>::Zero();
-  for (int h = 0; h < most && h < needed; ++h) {
-    int sample[kSampleSize];
-    draw_sample(random, problem.count, sample);
-    ++report.hypotheses;
-    Vector3<T> p_world[kSampleSize];
-    Vector3<T> bearing[kSampleSize];
-    for (int k = 0; k < kSampleSize; ++k) {
-      const PoseObservation<T>& m = problem.observations[sample[k]];
-      p_world[k] = m.p_world;
-      bearing[k] = problem.camera.unproject(m.pixel);
+int most_samples(const PoseRansacOptions<T>& options) {
+  return clamp(options.max_hypotheses, 1, PoseRansacOptions<T>::kMaxHypotheses);
+}
+
+/// Keeps a hypothesis if it is the best one so far, or the best that is clearly different from it.
+template <class T>
+void offer(const Problem<T>& problem, PoseHypothesis<T> candidate, PoseSearch<T>& search) {
+  Vector3<T>& centre = search.centre;
+  if (candidate.score > search.best.score) {
+    const PoseHypothesis<T> previous = search.best;
+    search.best = candidate;
+    std::uint8_t flags[kMaxPoseObservations];
+    mark_support(problem, search.best.T_world_camera, flags, centre);
+    search.needed = samples_needed(search.best.support, problem.count, problem.options.confidence,
+                                   most_samples(problem.options));
+    if (search.second.score >= T(0) &&
+        !clearly_different(search.best.T_world_camera, search.second.T_world_camera, centre)) {
+      search.second = PoseHypothesis<T>();
     }
-    P3pSolutions<T> solutions;
-    if (!ok(solve_p3p(p_world, bearing, solutions))) continue;
-    for (int s = 0; s < solutions.count; ++s) {
-      ++report.poses;
-      Hypothesis<T> candidate;
-      candidate.pose = solutions.T_world_camera[s];
-      score(problem, second.score, candidate);
-      if (candidate.score > best.score) {
-        const Hypothesis<T> previous = best;
-        best = candidate;
-        mark_support(problem, best.pose, flags, centre);
-        needed = samples_needed(best.support, problem.count, problem.options.confidence, most);
-        if (second.score >= T(0) && !clearly_different(best.pose, second.pose, centre)) {
-          second = Hypothesis<T>();
-        }
-        candidate = previous;
-      }
-      if (candidate.score > second.score && clearly_different(best.pose, candidate.pose, centre)) {
-        second = candidate;
-      }
-    }
+    candidate = previous;
+  }
+  if (candidate.score > search.second.score &&
+      clearly_different(search.best.T_world_camera, candidate.T_world_camera, centre)) {
+    search.second = candidate;
+  }
+}
+
+template <class T>
+void try_sample(const Problem<T>& problem, Random& random, PoseSearch<T>& search) {
+  int sample[kSampleSize];
+  draw_sample(random, problem.count, sample);
+  ++search.hypotheses;
+  Vector3<T> p_world[kSampleSize];
+  Vector3<T> bearing[kSampleSize];
+  for (int k = 0; k < kSampleSize; ++k) {
+    const PoseObservation<T>& m = problem.observations[sample[k]];
+    p_world[k] = m.p_world;
+    bearing[k] = problem.camera.unproject(m.pixel);
+  }
+  P3pSolutions<T> solutions;
+  if (!ok(solve_p3p(p_world, bearing, solutions))) return;
+  for (int s = 0; s < solutions.count; ++s) {
+    ++search.poses;
+    PoseHypothesis<T> candidate;
+    candidate.T_world_camera = solutions.T_world_camera[s];
+    score(problem, search.second.score, candidate);
+    if (candidate.score > search.second.score) offer(problem, candidate, search);
   }
 }
 
 }  // namespace
 
 template <class T>
-Status estimate_pose_ransac(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
-                            int count, const PoseRansacOptions<T>& options, Random& random,
-                            Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
-                            PoseRansacReport<T>& report, std::uint8_t* inlier_flags) {
+Status search_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                   int count, const PoseRansacOptions<T>& options, int samples, Random& random,
+                   PoseSearch<T>& search, bool& done) {
+  const Problem<T> problem{camera, observations, count, options};
+  const Status status = check(problem);
+  if (!ok(status)) return status;
+  if (search.needed > most_samples(options)) search.needed = most_samples(options);
+  for (int h = 0; h < samples && search.hypotheses < search.needed; ++h) {
+    try_sample(problem, random, search);
+  }
+  done = search.hypotheses >= search.needed;
+  return Status::kOk;
+}
+
+template <class T>
+Status conclude_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                     int count, const PoseRansacOptions<T>& options, const PoseSearch<T>& search,
+                     Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
+                     PoseRansacReport<T>& report, std::uint8_t* inlier_flags) {
   const Problem<T> problem{camera, observations, count, options};
   const Status status = check(problem);
   if (!ok(status)) return status;
 
+  const PoseHypothesis<T>& best = search.best;
+  const PoseHypothesis<T>& second = search.second;
   report = PoseRansacReport<T>();
-  Hypothesis<T> best;
-  Hypothesis<T> second;
-  search(problem, random, best, second, report);
+  report.hypotheses = search.hypotheses;
+  report.poses = search.poses;
   if (report.poses == 0) return Status::kDegenerate;
   report.support = best.support;
   if (second.support > 0) {
     report.second_support = second.support;
-    report.T_world_camera_second = second.pose;
+    report.T_world_camera_second = second.T_world_camera;
   }
   report.ambiguous =
       second.support > 0 &&
       static_cast<T>(second.support) >= options.ambiguity_share * static_cast<T>(best.support);
 
   // The second round takes in what the pose of a minimal sample missed.
-  Rigid<T> pose = best.pose;
+  Rigid<T> pose = best.T_world_camera;
   PoseEstimate<T> result;
   std::uint8_t support[kMaxPoseObservations];
   std::uint8_t flags[kMaxPoseObservations];
@@ -224,12 +241,21 @@ Status estimate_pose_ransac(const PinholeCamera<T>& camera, const PoseObservatio
   return Status::kOk;
 }
 
-template Status estimate_pose_ransac(const PinholeCamera<float>&, const PoseObservation<float>*,
-                                     int, const PoseRansacOptions<float>&, Random&, Rigid<float>&,
-                                     PoseEstimate<float>&, PoseRansacReport<float>&, std::uint8_t*);
-template Status estimate_pose_ransac(const PinholeCamera<double>&, const PoseObservation<double>*,
-                                     int, const PoseRansacOptions<double>&, Random&, Rigid<double>&,
-                                     PoseEstimate<double>&, PoseRansacReport<double>&,
-                                     std::uint8_t*);
+template <class T>
+Status estimate_pose_ransac(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                            int count, const PoseRansacOptions<T>& options, Random& random,
+                            Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
+                            PoseRansacReport<T>& report, std::uint8_t* inlier_flags) {
+  PoseSearch<T> search;
+  bool done = false;
+  const Status status = search_pose(camera, observations, count, options,
+                                    PoseRansacOptions<T>::kMaxHypotheses, random, search, done);
+  if (!ok(status)) return status;
+  return conclude_pose(camera, observations, count, options, search, T_world_camera, estimate,
+                       report, inlier_flags);
+}
+
+CAIRN_POSE_RANSAC(template, float)
+CAIRN_POSE_RANSAC(template, double)
 
 }  // namespace cairn

@@ -34,6 +34,41 @@ struct PoseRansacReport {
   bool ambiguous = false;
 };
 
+/// A pose that supports some of the matches.
+template <class T>
+struct PoseHypothesis {
+  Rigid<T> T_world_camera;
+  T score = T(-1);  ///< sum over the support of 1 - (error / inlier_px)^2
+  int support = 0;
+};
+
+/// A search for a pose between two calls of search_pose().
+template <class T>
+struct PoseSearch {
+  PoseHypothesis<T> best;
+  PoseHypothesis<T> second;                ///< clearly different from the best
+  Vector3<T> centre = Vector3<T>::Zero();  ///< of the points that support the best
+  int hypotheses = 0;                      ///< samples drawn so far
+  int poses = 0;                           ///< hypotheses scored so far
+  int needed = PoseRansacOptions<T>::kMaxHypotheses;
+};
+
+/// Draws at most `samples` further samples; `done` when their number suffices. For a caller that
+/// spreads a search over frames; the matches should be the same in every call.
+/// kInvalidArgument, kNonFiniteInput: as estimate_pose_ransac, with everything unchanged.
+/// Cost: 4 * samples passes over the matches and `samples` calls of solve_p3p.
+template <class T>
+Status search_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                   int count, const PoseRansacOptions<T>& options, int samples, Random& random,
+                   PoseSearch<T>& search, bool& done);
+
+/// Refines what search_pose() found, twice. Errors and outputs: as estimate_pose_ransac.
+template <class T>
+Status conclude_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                     int count, const PoseRansacOptions<T>& options, const PoseSearch<T>& search,
+                     Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
+                     PoseRansacReport<T>& report, std::uint8_t* inlier_flags = nullptr);
+
 /// Camera pose from point matches of which many may be wrong: RANSAC (Fischler and Bolles 1981)
 /// over solve_p3p with a truncated quadratic score (MSAC, Torr and Zisserman 2000), verification by
 /// reprojection, then refine_pose on the support, twice. The number of samples adapts to the best
@@ -56,15 +91,16 @@ Status estimate_pose_ransac(const PinholeCamera<T>& camera, const PoseObservatio
                             Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
                             PoseRansacReport<T>& report, std::uint8_t* inlier_flags = nullptr);
 
-extern template Status estimate_pose_ransac(const PinholeCamera<float>&,
-                                            const PoseObservation<float>*, int,
-                                            const PoseRansacOptions<float>&, Random&, Rigid<float>&,
-                                            PoseEstimate<float>&, PoseRansacReport<float>&,
-                                            std::uint8_t*);
-extern template Status estimate_pose_ransac(const PinholeCamera<double>&,
-                                            const PoseObservation<double>*, int,
-                                            const PoseRansacOptions<double>&, Random&,
-                                            Rigid<double>&, PoseEstimate<double>&,
-                                            PoseRansacReport<double>&, std::uint8_t*);
+#define CAIRN_POSE_RANSAC(TEMPLATE, T)                                                           \
+  TEMPLATE Status search_pose(const PinholeCamera<T>&, const PoseObservation<T>*, int,           \
+                              const PoseRansacOptions<T>&, int, Random&, PoseSearch<T>&, bool&); \
+  TEMPLATE Status conclude_pose(const PinholeCamera<T>&, const PoseObservation<T>*, int,         \
+                                const PoseRansacOptions<T>&, const PoseSearch<T>&, Rigid<T>&,    \
+                                PoseEstimate<T>&, PoseRansacReport<T>&, std::uint8_t*);          \
+  TEMPLATE Status estimate_pose_ransac(const PinholeCamera<T>&, const PoseObservation<T>*, int,  \
+                                       const PoseRansacOptions<T>&, Random&, Rigid<T>&,          \
+                                       PoseEstimate<T>&, PoseRansacReport<T>&, std::uint8_t*);
+CAIRN_POSE_RANSAC(extern template, float)
+CAIRN_POSE_RANSAC(extern template, double)
 
 }  // namespace cairn
