@@ -46,6 +46,10 @@ void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("--first-frame", options.first_frame, "Number of the first frame to use");
   command.add_option("--max-frames", options.max_frames, "Stop after this many frames")
       ->check(CLI::PositiveNumber);
+  command
+      .add_option("--work-limit", options.work_limit,
+                  "Work of a vehicle's frame, in units of 1000 instructions on a Cortex-M7")
+      ->check(CLI::NonNegativeNumber);
   command.add_option("--record", options.record,
                      "Also write the run's input log, for replay on host and board");
   command.add_flag("!--no-video", options.video, "Do not write the overlay video");

@@ -34,6 +34,7 @@ struct RunOptions {
   std::optional<double> start_position_variance;
   std::string profile = "plain";  ///< plain, calibrated: of landmark recordings
   HandheldOptions handheld;
+  std::optional<int> work_limit;  ///< units of work a frame; empty: the tracker's own
   std::filesystem::path camera;
   std::filesystem::path odometry;
   std::filesystem::path times;

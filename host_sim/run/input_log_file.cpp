@@ -103,6 +103,7 @@ class LogReplay {
       }
       odometry.clear();
       const TickSource ticks = marked_ ? marking_ticks() : TickSource{};
+      replay_work_limit(frame, *tracker);
       report.status = tracker->process_frame(image, frame.t_us, ticks, report);
       if (marked_) {
         tracker->augment(augmenter, image, ticks, report);
@@ -168,9 +169,11 @@ bool RecordingSource::Sink::write(const std::uint8_t* bytes, int count) {
 }
 
 RecordingSource::RecordingSource(FrameSource& source, std::filesystem::path path,
-                                 const InputLogHeader& header, const Frame& first)
+                                 const InputLogHeader& header, const Frame& first,
+                                 std::optional<int> work_limit)
     : source_(source),
       path_(std::move(path)),
+      work_limit_(work_limit.value_or(LogFrame::kOwnWorkLimit)),
       sink_{std::ofstream(path_, std::ios::binary)},
       writer_(sink_) {
   check(writer_.begin(header));
@@ -190,7 +193,8 @@ bool RecordingSource::next(Frame& frame) {
 
 void RecordingSource::record(const Frame& frame) {
   for (const OdometrySample& sample : frame.odometry) check(writer_.odometry(sample));
-  check(writer_.frame({static_cast<std::uint32_t>(frame.number), frame.t_us}, to_view(frame.grey)));
+  check(writer_.frame({static_cast<std::uint32_t>(frame.number), frame.t_us, work_limit_},
+                      to_view(frame.grey)));
 }
 
 void RecordingSource::check(Status status) const {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 
 #include "cairn/runtime/input_log.hpp"
 
@@ -19,9 +20,10 @@ InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& so
 /// be written.
 class RecordingSource : public FrameSource {
  public:
-  /// `first` was taken from `source` already.
+  /// `first` was taken from `source` already. `work_limit`: of each frame, if not the tracker's
+  /// own.
   RecordingSource(FrameSource& source, std::filesystem::path path, const InputLogHeader& header,
-                  const Frame& first);
+                  const Frame& first, std::optional<int> work_limit);
 
   const SourceInfo& info() const override { return source_.info(); }
   /// Completes the log after the last frame.
@@ -38,6 +40,7 @@ class RecordingSource : public FrameSource {
 
   FrameSource& source_;
   std::filesystem::path path_;
+  std::int32_t work_limit_;
   Sink sink_;
   InputLogWriter<Sink> writer_;
 };

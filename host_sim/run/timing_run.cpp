@@ -101,7 +101,7 @@ std::vector<FrameInstructions> counted(const TimedRun& run, const std::vector<Fr
   FrameList list(run.source.info(), frames);
   RecordingSource recording(
       list, log, to_log_header(run.tracker_options, run.source.info(), frames.front().t_us),
-      frames.front());
+      frames.front(), run.tracker_options.work_limit);
   for (Frame frame; recording.next(frame);) continue;
   std::vector<FrameInstructions> result = count_instructions(log, run.options.out, problem);
   std::filesystem::remove(log);

@@ -25,6 +25,7 @@ class VehicleAdapter : public Tracker {
         source_name_(source.name),
         options_(options) {
     parameters_.seed = options.seed;
+    if (options.work_limit) parameters_.work_limit = *options.work_limit;
     parameters_.odometry.sigma_speed_mps = static_cast<float>(source.odometry->speed_sigma_mps);
     parameters_.odometry.sigma_turn = static_cast<float>(source.odometry->turn_sigma);
     parameters_.odometry.wheelbase_m = static_cast<float>(source.odometry->wheelbase_m);

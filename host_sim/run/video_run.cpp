@@ -74,6 +74,10 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
   tracker.budget_ms = options.budget_ms;
   tracker.seed = options.seed;
   tracker.handheld = options.handheld;
+  tracker.work_limit = options.work_limit;
+  if (tracker.mode == Mode::kHandheld && options.work_limit) {
+    throw UsageError("--work-limit: only for --mode vehicle");
+  }
   if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
     throw UsageError("--measurement and the options beside it: only for --mode handheld");
   }
@@ -146,7 +150,8 @@ ExitCode run_source(FrameSource& source, const RunOptions& options) {
   std::optional<RecordingSource> recording;
   if (!options.record.empty()) {
     recording.emplace(source, options.record,
-                      to_log_header(tracker_settings, source.info(), frame.t_us), frame);
+                      to_log_header(tracker_settings, source.info(), frame.t_us), frame,
+                      tracker_settings.work_limit);
   }
   FrameSource& input = recording ? *recording : source;
   const RunRecord record = run_frames(input, frame, *tracker, runner);

@@ -137,8 +137,8 @@ void print_ticks(const cairn::LogFrame& frame, const cairn::FrameReport& report,
   write_decimal(ticks.total);
   write("\ncounts ");
   write_decimal(frame.number);
-  for (const int count :
-       {report.corners, report.searched, report.matches, report.inliers, report.landmarks}) {
+  for (const int count : {report.corners, report.searched, report.matches, report.inliers,
+                          report.landmarks, report.work}) {
     write(" ");
     write_decimal(static_cast<std::uint64_t>(count));
   }
@@ -152,6 +152,7 @@ FrameTicks process(const cairn::LogFrame& frame, const cairn::MutableImageView& 
   const std::uint32_t begin = cairn_port_ticks();
   cairn_frame_begin();
   odometry.apply();
+  cairn::replay_work_limit(frame, tracker);
   spent.odometry = cairn_port_ticks() - begin;
   report.status = tracker.process_frame(image, frame.t_us, ticks, report);
   if (options.with_overlay) tracker.augment(augmenter, image, ticks, report);

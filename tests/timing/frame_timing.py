@@ -28,13 +28,27 @@ def row_of(counts):
             "worst_over_median": round(max(counts) / median, 3) if median else None, "hybrid_bound": None}
 
 
-def stage_table(target, image, log):
+def stage_counts(target, image, log):
+    """Per frame: instructions by stage, and the units of work that the tracker booked (0: it books none)."""
     status, text = target.run(f"replay_{image}", [log, "--overlay", "yes", "--ticks", "yes"])
     if status:
         raise RuntimeError(f"{target.name} {image} {log.name}: status {status}")
-    ticks = [list(map(int, l.split()[2:])) for l in text.splitlines() if l.startswith("ticks ")]
+    rows = {kind: [list(map(int, l.split()[2:])) for l in text.splitlines() if l.startswith(f"{kind} ")]
+            for kind in ("ticks", "counts")}
     scale = 1e9 / (NANOSECONDS_PER_INSTRUCTION * TICKS_PER_SECOND[target.name])
-    return {stage: row_of([round(row[k] * scale) for row in ticks]) for k, stage in enumerate(STAGES)}
+    return ([[round(ticks * scale) for ticks in row] for row in rows["ticks"]],
+            [row[-1] for row in rows["counts"]])
+
+
+def stage_table(stages):
+    return {stage: row_of([row[k] for row in stages]) for k, stage in enumerate(STAGES)}
+
+
+def instructions_per_unit(stages, work):
+    """Largest of any frame, drawing apart, as a share of what a unit stands for; None without units."""
+    render, frame = STAGES.index("render"), STAGES.index("frame")
+    shares = [(row[frame] - row[render]) / (1000 * units) for row, units in zip(stages, work) if units]
+    return round(max(shares), 3) if shares else None
 
 
 def marker(image, name):
@@ -63,12 +77,13 @@ def count_blocks(target, image, log, out, plugin):
 
 
 def measure_input(target, image, log, out, plugin):
-    table = stage_table(target, image, log)
+    stages, work = stage_counts(target, image, log)
+    table = stage_table(stages)
     elf, counts, _ = count_blocks(target, image, log, out, plugin)
     frames, blocks = cycles.read_counts(counts)
     table["frame"] = row_of(frames)
     table["frame"]["hybrid_bound"] = sum(b[1] * b[3] for b in blocks)
-    entry = {"instructions": table}
+    entry = {"instructions": table, "instructions_per_unit": instructions_per_unit(stages, work)}
     if target.name in CYCLE_MODEL:
         model = cycles.modelled(elf, counts)
         entry["modelled_cycles"] = {what: [round(c) for c in model[what]] for what in model}

@@ -128,6 +128,7 @@ bool replay(cairn::InputLogReader<FileBytes>& reader, const cairn::InputLogHeade
       odometry.push_back(sample);
       continue;
     }
+    cairn::replay_work_limit(frame, machine->tracker);
     machine->frame(odometry, frame.t_us, image, counters);
     odometry.clear();
   }

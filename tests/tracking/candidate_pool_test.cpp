@@ -26,7 +26,7 @@ class CandidateDepth : public ::testing::Test {
     ASSERT_TRUE(ok(detect_fast(test::view(image, camera_), {60, 60, 260, 180}, 40, scratch, corners,
                                64, report)));
     pool_.follow(test::view(image, camera_), test::to_float(camera_), Rigid<float>{}, parameters_,
-                 scratch_);
+                 scratch_, unlimited_);
     ASSERT_TRUE(ok(pool_.begin_keyframe(kKeyframe)));
     for (int i = 0; i < report.found - report.dropped && !pool_.full(); i += 3) {
       static_cast<void>(pool_.add(test::view(image, camera_), test::to_float(camera_), corners[i].x,
@@ -39,6 +39,7 @@ class CandidateDepth : public ::testing::Test {
   PlaneScene scene_{kDepth};
   Pool pool_;
   SearchScratch scratch_;
+  WorkBudget unlimited_;
   Pool::Parameters parameters_;
 };
 
@@ -51,7 +52,7 @@ TEST_F(CandidateDepth, IsFoundBySidewaysMotion) {
     const Rigid<double> T{Quaternion<double>::Identity(), {0.05 * k, 0, 0}};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
-                 parameters_, scratch_);
+                 parameters_, scratch_, unlimited_);
     Promotion promotion;
     while (pool_.promote(test::to_float(camera_), parameters_, promotion)) {
       ++promoted;
@@ -71,7 +72,7 @@ TEST_F(CandidateDepth, StaysUnknownUnderPureRotation) {
     const Rigid<double> T{rotation_exp(Vector3<double>(0, 0.01 * k, 0)), {0, 0, 0}};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
-                 parameters_, scratch_);
+                 parameters_, scratch_, unlimited_);
     Promotion promotion;
     EXPECT_FALSE(pool_.promote(test::to_float(camera_), parameters_, promotion));
   }
@@ -89,7 +90,7 @@ TEST_F(CandidateDepth, IsToldApartFromAnUnreportedTurn) {
     const Rigid<double> reported{rotation_exp(Vector3<double>(0, turn, 0)), T.translation};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(reported),
-                 parameters_, scratch_);
+                 parameters_, scratch_, unlimited_);
     Promotion promotion;
     while (pool_.promote(test::to_float(camera_), parameters_, promotion)) {
       ++promoted;
@@ -118,7 +119,7 @@ TEST_F(CandidateDepth, LostCandidatesAreDropped) {
   int dropped = 0;
   for (int k = 0; k < 4; ++k) {
     dropped += pool_.follow(test::view(other, camera_), test::to_float(camera_), Rigid<float>{},
-                            parameters_, scratch_);
+                            parameters_, scratch_, unlimited_);
   }
   // One in ten may look alike by chance: what they are not is lost in silence.
   EXPECT_EQ(dropped + pool_.size(), started);

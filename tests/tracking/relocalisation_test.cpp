@@ -81,7 +81,7 @@ TEST_F(VehicleWithoutSight, FindsItsPlaceInTheLibraryWhenThePictureIsBack) {
   stand_before(Image(320 * 240, 0), kBlind, kFalseTurn);
   EXPECT_NE(report_.state, TrackingState::kTracking);
   EXPECT_GT(tracker_->filter().mean_pose().heading, 0.12F);
-  stand_before(drive().back(), 6, 0.0F);
+  stand_before(drive().back(), 10, 0.0F);
   EXPECT_TRUE(relocalised_);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   EXPECT_EQ(tracker_->health().relocalisations, 1U);

@@ -239,6 +239,7 @@ void encode_frame_head(const LogFrame& frame, int width, int height,
   pack.u32(frame.number);
   pack.u16(static_cast<std::uint16_t>(width));
   pack.u16(static_cast<std::uint16_t>(height));
+  pack.u32(static_cast<std::uint32_t>(frame.work_limit));
 }
 
 void decode_frame_head(const std::uint8_t (&bytes)[kLogFrameHeadBytes], LogFrame& frame, int& width,
@@ -248,6 +249,7 @@ void decode_frame_head(const std::uint8_t (&bytes)[kLogFrameHeadBytes], LogFrame
   frame.number = unpack.u32();
   width = unpack.u16();
   height = unpack.u16();
+  frame.work_limit = static_cast<std::int32_t>(unpack.u32());
 }
 
 void encode_end(std::uint32_t samples, std::uint32_t frames, std::uint8_t (&bytes)[kLogEndBytes]) {

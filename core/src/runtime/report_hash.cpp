@@ -8,13 +8,14 @@ void add_to_hash(Hash64& hash, const FrameReport& report) {
   hash.add(report.t_us);
   hash.add(static_cast<std::uint8_t>(report.status));
   hash.add(static_cast<std::uint8_t>(report.state));
+  hash.add(static_cast<std::uint8_t>(report.cut));
   const Quaternion<float>& q = report.T_world_camera.rotation;
   const Vector3<float>& p = report.T_world_camera.translation;
   for (const float value : {q.w(), q.x(), q.y(), q.z(), p.x(), p.y(), p.z()}) hash.add(value);
   for (const int value :
        {report.corners, report.candidates, report.matches, report.inliers, report.landmarks,
         report.searched, report.added, report.removed, report.reentered, report.from_library,
-        report.relocalised ? 1 : 0, report.update.matches, report.update.hypotheses,
+        report.relocalised ? 1 : 0, report.work, report.update.matches, report.update.hypotheses,
         report.update.low_innovation, report.update.high_innovation, report.update.gated,
         report.update.nis_dof}) {
     hash.add(value);

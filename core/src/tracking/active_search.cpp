@@ -32,6 +32,15 @@ bool make_ellipse(const PixelPrediction<float>& prediction, float gate, Ellipse&
   return true;
 }
 
+/// Units that search_patch() takes over the ellipse of a prediction.
+int patch_search_work(const PixelPrediction<float>& prediction, float gate) {
+  constexpr int kItself = 36 + work::kAlignment;
+  constexpr int kWindowsPerUnit = 2;  // of every second pixel of every second row
+  Ellipse ellipse;
+  if (!make_ellipse(prediction, gate, ellipse)) return work::kSearchItself;
+  return kItself + (ellipse.half_x + 1) * (ellipse.half_y + 1) / kWindowsPerUnit;
+}
+
 struct Found {
   int x = 0;
   int y = 0;
@@ -55,6 +64,7 @@ bool match_corner(const ImageView& image, const Ellipse& ellipse, const Appearan
                       SearchParameters::kMaxCorners, fast))) {
     return false;
   }
+  report.work += work::fast(window.width(), window.height(), fast.candidates);
   report.corners = fast.found;
   report.corners_dropped = fast.dropped;
   const int count = fast.found - fast.dropped;
@@ -65,6 +75,7 @@ bool match_corner(const ImageView& image, const Ellipse& ellipse, const Appearan
     Descriptor descriptor;
     if (!ok(describe_freak(image, c.x, c.y, pose, descriptor))) continue;
     ++report.descriptors;
+    report.work += work::kDescriptor;
     const int distance = hamming_distance(appearance.descriptor, descriptor);
     if (distance < best.distance) {
       second = best.distance;
@@ -84,6 +95,7 @@ bool align(const ImageView& image, const Appearance& appearance, const PatchWarp
   int x_q8 = round_to_int(start_x * 256.0F);
   int y_q8 = round_to_int(start_y * 256.0F);
   PatchAlignment alignment;
+  report.work += work::kAlignment;
   if (!ok(align_patch(image, appearance.patch, warp, x_q8, y_q8, alignment))) return false;
   if (!alignment.converged || alignment.correlation < min_correlation_q10) return false;
   const Vector2<float> found(static_cast<float>(x_q8) / 256.0F, static_cast<float>(y_q8) / 256.0F);
@@ -100,9 +112,11 @@ Status search_landmark(const ImageView& image, const PixelPrediction<float>& pre
                        const SearchParameters& parameters, SearchScratch& scratch,
                        Vector2<float>& pixel, SearchReport& report) {
   report = SearchReport{};
+  report.work = work::kSearchItself;
   PatchWarp patch_warp;
   if (!to_patch_warp(warp, patch_warp)) return Status::kOutOfView;
   if (parameters.method == SearchMethod::kPatch && appearance.has_patch) {
+    report.work = patch_search_work(prediction, parameters.patch.gate);
     return search_patch(image, prediction, appearance.patch, patch_warp, parameters.patch, pixel);
   }
   Ellipse ellipse;

@@ -34,7 +34,8 @@ namespace cairn {
 /// `max_searches` landmark searches, one filter update of as many matches, one step of the
 /// candidate pool, `cells_per_frame` cells of corner detection and `library_slots_per_frame`
 /// projections; while lost, one step of the relocaliser and at most two passes over the library in
-/// place of the map's growth.
+/// place of the map's growth. All of it together ends within set_work_limit(): the pose comes
+/// first, then the map (frame_tracker_work_impl.hpp has the rules).
 template <class Config, class Filter>
 class FrameTracker {
  public:
@@ -97,6 +98,8 @@ class FrameTracker {
     int expected_in_view = 8;  ///< landmarks that make it a known place, by odometry: it is looked
     int known_patience = 2;    ///< at so many times longer
     typename Places::Parameters places;
+    int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart
+    int max_frames_without_mapping = 8;  ///< for want of work; then mapping gets half of a frame
     std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
     std::uint64_t seed = 1;
   };
@@ -120,6 +123,14 @@ class FrameTracker {
   /// kInvalidArgument (wrong size), kDuplicate, kTimeBackwards: frame refused.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks, Map& map,
                        FrameReport& report);
+
+  /// Units of work that each frame may take from now on (FrameCut tells what it gave up for it).
+  /// An input like any other: logs record it. kInvalidArgument for a negative one.
+  Status set_work_limit(int units) {
+    if (units < 0) return Status::kInvalidArgument;
+    work_limit_ = units;
+    return Status::kOk;
+  }
 
   /// Ids below `next` are taken: after a library came from elsewhere.
   void reserve_ids(LandmarkId next) {
@@ -175,6 +186,19 @@ class FrameTracker {
                     FrameReport& report);
   void judge(FrameReport& report);
 
+  // What a frame can afford: detail/frame_tracker_work_impl.hpp.
+  void begin_work();
+  int updating_work(int matches) const;
+  int searching_work() const;
+  int searches_planned() const;
+  void afford_update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
+  void end_work(FrameReport& report);
+  bool take(int units) {
+    if (!work_.affords(units)) return false;
+    work_.spend(units);
+    return true;
+  }
+
   // The filter's landmarks: detail/frame_tracker_map_impl.hpp.
   void remove_landmarks(Map& map, FrameReport& report);
   void make_room(Map& map, int reserve, int limit, FrameReport& report);
@@ -216,13 +240,17 @@ class FrameTracker {
     return has_library_ && weak_frames_ >= parameters_.relocalise_after &&
            unrecognised_ < patience_;
   }
-  /// Whether this frame's image will be taken to look its place up: no two frames in a row.
-  bool captures_next() const { return looks_for_place() && !places_.working() && !captured_; }
+  /// Whether this frame's image will be taken to look its place up, no two frames in a row, or to
+  /// verify one.
+  bool needs_image_for_place() const {
+    return looks_for_place() && (place_found_ || (!places_.working() && !captured_));
+  }
+  void refuse_place();
   bool plausible(const Rigid<float>& T_map_camera) const;
   bool in_known_place(const Library& library);
   bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
   void find_expected(const ImageView& image, const Library& library,
-                     const Rigid<float>& T_map_camera, int count, ComingBack& work);
+                     const Rigid<float>& T_map_camera, int count, ComingBack& memory);
 
   PinholeCamera<float> camera_;
   Rigid<float> T_vehicle_camera_;
@@ -245,6 +273,10 @@ class FrameTracker {
   FixedVector<PixelMatch<float>, kMaxLandmarks> matches_;  ///< of one frame: not on the stack
   Random random_;
   Health health_;
+  WorkBudget work_;  ///< of this frame
+  int work_limit_ = 0;
+  bool mapping_cut_ = false;  ///< in this frame, for want of work
+  int frames_without_mapping_ = 0;
   float frame_step_s_ = 0.0F;
   float turn_variance_ = 0.0F;  ///< of the odometry's turn since the last frame, rad^2
   OdometrySample motion_;       ///< last sample: held for extrapolation
@@ -275,6 +307,7 @@ class FrameTracker {
   Places places_;
   Rigid<float> T_world_camera_captured_;
   bool captured_ = false;     ///< by the last frame that looked for its place
+  bool place_found_ = false;  ///< to be verified in the next frame
   bool has_library_ = false;  ///< something to look a place up in
   int unrecognised_ = 0;
   int patience_ = 0;
@@ -285,3 +318,4 @@ class FrameTracker {
 #include "cairn/runtime/detail/frame_tracker_impl.hpp"
 #include "cairn/runtime/detail/frame_tracker_library_impl.hpp"
 #include "cairn/runtime/detail/frame_tracker_map_impl.hpp"
+#include "cairn/runtime/detail/frame_tracker_work_impl.hpp"

@@ -14,7 +14,7 @@ namespace cairn {
 /// target. Little endian. "CAIRNLOG", then records of {u8 type, u8[3] zero, u32 payload bytes,
 /// payload, u32 CRC-32 (IEEE 802.3) of all before it in the record}: one header, then odometry and
 /// frames in time order, then one end record with their counts.
-inline constexpr std::uint16_t kInputLogVersion = 1;
+inline constexpr std::uint16_t kInputLogVersion = 2;
 
 enum class LogMode : std::uint8_t { kVehicle = 0, kHandheld = 1 };
 enum class LogFilter : std::uint8_t { kGroupIekf = 0, kLiftedIekf = 1, kEkf = 2, kMono = 3 };
@@ -47,8 +47,11 @@ struct InputLogHeader {
 };
 
 struct LogFrame {
+  static constexpr std::int32_t kOwnWorkLimit = -1;
+
   std::uint32_t number = 0;
   std::int64_t t_us = 0;
+  std::int32_t work_limit = kOwnWorkLimit;  ///< units (WorkBudget), or the tracker's own
 };
 
 enum class LogEvent : std::uint8_t { kOdometry, kFrame, kEnd };
@@ -59,7 +62,7 @@ inline constexpr int kLogMagicBytes = 8;
 inline constexpr int kLogRecordHeadBytes = 8;
 inline constexpr int kLogHeaderBytes = 136;
 inline constexpr int kLogOdometryBytes = 20;
-inline constexpr int kLogFrameHeadBytes = 16;
+inline constexpr int kLogFrameHeadBytes = 20;
 inline constexpr int kLogEndBytes = 8;
 
 enum class LogRecord : std::uint8_t { kHeader = 1, kOdometry = 2, kFrame = 3, kEnd = 4 };

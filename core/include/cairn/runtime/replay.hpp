@@ -30,6 +30,15 @@ Status replay_odometry(const OdometrySample&, HandheldTracker<Config>&) {
   return Status::kOk;
 }
 
+/// The work that a frame of a log was allowed.
+template <class Config, class Filter>
+void replay_work_limit(const LogFrame& frame, VehicleTracker<Config, Filter>& tracker) {
+  const int own = typename VehicleTracker<Config, Filter>::Parameters{}.work_limit;
+  static_cast<void>(tracker.set_work_limit(frame.work_limit < 0 ? own : frame.work_limit));
+}
+template <class Config>
+void replay_work_limit(const LogFrame&, HandheldTracker<Config>&) {}
+
 /// Feeds everything of a report that the tracker decided (its ticks apart), or every counter, to a
 /// hash.
 void add_to_hash(Hash64& hash, const FrameReport& report);

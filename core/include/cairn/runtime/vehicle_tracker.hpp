@@ -36,6 +36,9 @@ class VehicleTracker {
   /// As FrameTracker::add_odometry().
   Status add_odometry(const OdometrySample& sample) { return frames_.add_odometry(sample); }
 
+  /// As FrameTracker::set_work_limit().
+  Status set_work_limit(int units) { return frames_.set_work_limit(units); }
+
   /// As FrameTracker::process_frame(), and a slice of the map builder's work.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report) {

@@ -5,6 +5,7 @@
 #include "cairn/mono/patch_search.hpp"
 #include "cairn/numeric/status.hpp"
 #include "cairn/tracking/appearance.hpp"
+#include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/fast.hpp"
 
 namespace cairn {
@@ -37,8 +38,22 @@ struct SearchReport {
   int corners_dropped = 0;
   int distance = 512;
   int correlation_q10 = 0;
+  int work = 0;  ///< units of WorkBudget
   bool by_descriptor = false;
 };
+
+namespace work {
+
+inline constexpr int kSearchItself = 6;  ///< of search_landmark(), without what it calls
+
+/// The most that search_landmark() takes: the largest window, every corner described, and both
+/// alignments. search_patch() over the largest window stays below.
+inline constexpr int kLandmarkSearch =
+    kSearchItself +
+    fast(2 * SearchParameters::kMaxHalfWindow + 1, 2 * SearchParameters::kMaxHalfWindow + 1) +
+    SearchParameters::kMaxCorners * kDescriptor + 2 * kAlignment;
+
+}  // namespace work
 
 /// Widest window row, plus the border FAST needs.
 using SearchScratch = FastScratch<2 * SearchParameters::kMaxHalfWindow + 8>;

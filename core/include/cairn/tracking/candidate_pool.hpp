@@ -100,21 +100,32 @@ class CandidatePool {
     return Status::kOk;
   }
 
+  /// Most units of work that following the candidates there are takes without a search.
+  int work_to_follow() const { return candidates_.size() * (work::kAlignment + kCorrectionWork); }
+
   /// Follows every candidate into `image`, taken at the caller's estimate `T_odometry_camera` (only
   /// its motion since the last call counts). Lost candidates are dropped, their number returned.
+  /// Where `budget` does not afford work_to_follow(), as coast().
   int follow(const ImageView& image, const PinholeCamera<float>& camera,
              const Rigid<float>& T_odometry_camera, const Parameters& parameters,
-             SearchScratch& scratch) {
+             SearchScratch& scratch, WorkBudget& budget) {
+    coast(T_odometry_camera, parameters);
+    if (!budget.affords(work_to_follow())) return 0;
+    budget.spend(candidates_.size() * kCorrectionWork);
+    measure_all(image, camera, parameters, budget);
+    search_missing(image, camera, parameters, scratch, budget);
+    correct(camera, parameters);
+    return drop_lost(parameters);
+  }
+
+  /// Goes on to the caller's estimate without a look at the image: no candidate is lost for it.
+  void coast(const Rigid<float>& T_odometry_camera, const Parameters& parameters) {
     if (has_pose_) {
       T_pool_camera_ = T_pool_camera_ * (T_odometry_last_.inverse() * T_odometry_camera);
       filter_.predict(parameters.sigma_pitch_rad, parameters.sigma_yaw_rad);
     }
     T_odometry_last_ = T_odometry_camera;
     has_pose_ = true;
-    measure_all(image, camera, parameters);
-    search_missing(image, camera, parameters, scratch);
-    correct(camera, parameters);
-    return drop_lost(parameters);
   }
 
   /// Takes the next candidate that was seen in this frame and whose depth is known; false when
@@ -161,6 +172,7 @@ class CandidatePool {
   }
 
  private:
+  static constexpr int kCorrectionWork = 40;
   using Pixels = Vector2<float>[MaxCandidates];
   using Filter = CandidateFilter<MaxKeyframes, MaxCandidates>;
 
@@ -252,11 +264,14 @@ class CandidatePool {
   }
 
   void measure_all(const ImageView& image, const PinholeCamera<float>& camera,
-                   const Parameters& parameters) {
+                   const Parameters& parameters, WorkBudget& budget) {
+    const int round_work = candidates_.size() * work::kAlignment;
+    budget.spend(round_work);
     int best = measure_shifted(image, camera, Vector2<float>::Zero(), parameters, found_, pixels_);
     const float steps[] = {-parameters.search_step_px, parameters.search_step_px};
     for (const float step : steps) {
-      if (10 * best >= 7 * candidates_.size()) return;
+      if (10 * best >= 7 * candidates_.size() || !budget.affords(round_work)) return;
+      budget.spend(round_work);
       bool found[MaxCandidates];
       Pixels pixels;
       const int count =
@@ -273,9 +288,10 @@ class CandidatePool {
   /// Looks for the candidates that alignment did not find in the window of their unknown depth and
   /// rotation, by descriptor.
   void search_missing(const ImageView& image, const PinholeCamera<float>& camera,
-                      const Parameters& parameters, SearchScratch& scratch) {
+                      const Parameters& parameters, SearchScratch& scratch, WorkBudget& budget) {
     for (int i = 0; i < candidates_.size(); ++i) {
       if (found_[i]) continue;
+      if (!budget.affords(work::kLandmarkSearch)) return;
       const Candidate& c = candidates_[i];
       Expected expected;
       Matrix2<float> warp;
@@ -291,6 +307,7 @@ class CandidatePool {
       SearchReport report;
       found_[i] = ok(search_landmark(image, prediction, c.appearance, warp, parameters.search,
                                      scratch, pixels_[i], report));
+      budget.spend(report.work);
     }
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/numeric/fixed_vector.hpp"
+#include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/fast.hpp"
 #include "cairn/vision/image.hpp"
 
@@ -41,6 +42,13 @@ class FeatureSupply {
     occupied_.clear();
   }
 
+  /// The same without a limit of work.
+  int find(const ImageView& image, const Parameters& parameters, int wanted, Scratch& scratch,
+           Corner* corners, Report& report) {
+    WorkBudget unlimited;
+    return find(image, parameters, wanted, scratch, corners, report, unlimited);
+  }
+
   /// A landmark or candidate stands at this pixel.
   void occupy(float u, float v) {
     const Place place{static_cast<int>(u), static_cast<int>(v)};
@@ -50,19 +58,21 @@ class FeatureSupply {
     occupied_.push_back(place);
   }
 
-  /// Up to `wanted` corners of empty cells into `corners`; returns how many.
-  /// Cost: cells_per_frame FAST windows of one cell.
+  /// Up to `wanted` corners of empty cells into `corners`, as far as `budget` goes; returns how
+  /// many. Cost: cells_per_frame FAST windows of one cell.
   int find(const ImageView& image, const Parameters& parameters, int wanted, Scratch& scratch,
-           Corner* corners, Report& report) {
+           Corner* corners, Report& report, WorkBudget& budget) {
+    const int cell_work = work::fast(cell_width_, cell_height_);
     int found = 0;
     for (int step = 0; step < kCells; ++step) {
       if (found >= wanted || report.cells_searched >= parameters.cells_per_frame) break;
+      if (!budget.affords(cell_work)) break;
       const int cell = next_;
       next_ = (next_ + kStride) % kCells;
       if (counts_[cell] > 0) continue;
       ++report.cells_searched;
       Corner best;
-      if (!best_corner(image, cell, parameters, scratch, best, report)) continue;
+      if (!best_corner(image, cell, parameters, scratch, best, report, budget)) continue;
       corners[found++] = best;
       occupy(best.x, best.y);
     }
@@ -86,7 +96,7 @@ class FeatureSupply {
   }
 
   bool best_corner(const ImageView& image, int cell, const Parameters& parameters, Scratch& scratch,
-                   Corner& best, Report& report) const {
+                   Corner& best, Report& report, WorkBudget& budget) const {
     const int x0 = (cell % kColumns) * cell_width_;
     const int y0 = (cell / kColumns) * cell_height_;
     const int margin = parameters.margin_px;
@@ -99,6 +109,7 @@ class FeatureSupply {
                         fast))) {
       return false;
     }
+    budget.spend(work::fast(rect.width(), rect.height(), fast.candidates));
     report.corners += fast.found;
     report.corners_dropped += fast.dropped;
     bool any = false;

@@ -55,20 +55,21 @@ struct SearchTotals {
   int corners_dropped = 0;
   int descriptors = 0;
   int searched = 0;
-  int deferred = 0;  ///< in view, not searched: the frame's count was spent
+  int deferred = 0;  ///< in view, not searched: the frame's count or work was spent
 };
 
 /// Searches the filter's landmarks that are in view, the most uncertain first (largest det S: the
-/// most informative measurement), at most `max_searches` of them; the rest is deferred and counted.
-/// The filter must offer size(), id(slot), predict(slot, prediction), camera() and
-/// T_world_camera().
+/// most informative measurement), at most `max_searches` of them and no more than `budget` affords;
+/// the rest is deferred and counted: it waits for its turn while its S grows. The filter must offer
+/// size(), id(slot), predict(slot, prediction), camera() and T_world_camera().
 ///
 /// Cost: one projection per landmark, an insertion sort of Capacity, `max_searches` calls of
 /// search_landmark.
 template <class Filter, int Capacity>
 void search_landmarks(const ImageView& image, const Filter& filter, LandmarkTable<Capacity>& table,
                       const SearchParameters& parameters, int max_searches, SearchScratch& scratch,
-                      FixedVector<PixelMatch<float>, Capacity>& matches, SearchTotals& totals) {
+                      FixedVector<PixelMatch<float>, Capacity>& matches, SearchTotals& totals,
+                      WorkBudget& budget) {
   struct Planned {
     PixelPrediction<float> prediction;
     float priority = 0.0F;
@@ -99,7 +100,7 @@ void search_landmarks(const ImageView& image, const Filter& filter, LandmarkTabl
 
   const Rigid<float> T_world_camera = filter.T_world_camera();
   for (const Planned& entry : plan) {
-    if (totals.searched >= max_searches) {
+    if (totals.searched >= max_searches || !budget.affords(work::kLandmarkSearch)) {
       ++totals.deferred;
       continue;
     }
@@ -117,6 +118,7 @@ void search_landmarks(const ImageView& image, const Filter& filter, LandmarkTabl
     SearchReport report;
     const Status status = search_landmark(image, entry.prediction, landmark->appearance, warp,
                                           parameters, scratch, match.pixel, report);
+    budget.spend(report.work);
     totals.corners += report.corners;
     totals.corners_dropped += report.corners_dropped;
     totals.descriptors += report.descriptors;

@@ -5,14 +5,15 @@
 #include "cairn/geometry/pose_ransac.hpp"
 #include "cairn/map/library_matcher.hpp"
 #include "cairn/tracking/appearance.hpp"
+#include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/fast.hpp"
 
 namespace cairn {
 
 /// Finds the camera's place in a map library from one image, without any idea of it: corners spread
 /// over the whole image, upright descriptors, every library landmark compared with every one of
-/// them, P3P with RANSAC. The work is cut into steps of at most `max_pairs_per_step` comparisons,
-/// one a frame.
+/// them, P3P with RANSAC. The work is cut into steps, one a frame, of at most `max_pairs_per_step`
+/// comparisons or `samples_per_step` samples.
 ///
 /// Descriptors are those of make_appearance(): upright, one scale. A vehicle's camera does not
 /// roll; a camera in the hand must be held within about 15 degrees of how the map was seen.
@@ -24,6 +25,8 @@ class Relocaliser {
   using Matcher = LibraryMatcher<Config, kMaxFeatures>;
   static constexpr int kColumns = 8;
   static constexpr int kRows = 6;
+  static constexpr int kCells = kColumns * kRows;
+  static constexpr int kStride = 19;  ///< coprime to kCells: what is left out is spread
   static constexpr int kMaxCellWidth = Config::kMaxImageWidth / kColumns + 1;
   static constexpr int kCornersPerCell = 6;
   static constexpr int kMaxPerCell = 3;  ///< of these, described
@@ -37,7 +40,8 @@ class Relocaliser {
     int min_score = 25;
     int margin_px = 34;
     int min_features = 12;  ///< fewer in an image: nothing to be recognised
-    int max_pairs_per_step = 16384;
+    int max_pairs_per_step = 12288;
+    int samples_per_step = 24;
     Scalar sigma_px = Scalar(1.5);
     LibraryMatcherOptions matcher;
     PoseRansacOptions<Scalar> ransac;
@@ -58,8 +62,8 @@ class Relocaliser {
     ~Scratch() = default;
     struct Corners {
       FastScratch<kMaxCellWidth> fast;
-      Corner best[kMaxPerCell][kColumns * kRows];  // best[k]: the k-th best of each cell
-      int count[kColumns * kRows];
+      Corner best[kMaxPerCell][kCells];  // best[k]: the k-th best of each cell
+      int count[kCells];
     } corners;
     struct Pose {
       LibraryMatch matches[kMaxFeatures];
@@ -70,16 +74,35 @@ class Relocaliser {
   bool working() const { return working_; }
   void reset() { working_ = false; }
 
-  /// Begins with an image. Cost: FAST over the image, at most kMaxFeatures descriptors.
-  Outcome capture(const ImageView& image, const Parameters& parameters, Scratch& scratch) {
+  /// Units of work below which capture() is not worth a call.
+  static int capture_work(const ImageView& image) {
+    return kMaxFeatures * work::kDescriptor + work::fast(image.width, image.height) / 8;
+  }
+  /// The most units of work that step() takes.
+  static int step_work(const Parameters& parameters) {
+    constexpr int kPairsPerUnit = 4;
+    constexpr int kRefinement = 800;
+    constexpr int kSample = 30 + 4 * kMaxFeatures / 8;  // P3P, and four poses to score
+    const int match = parameters.max_pairs_per_step / kPairsPerUnit;
+    const int pose = kRefinement + parameters.samples_per_step * kSample;
+    return match > pose ? match : pose;
+  }
+
+  /// Begins with an image. Cost: FAST over the image, cell by cell as far as `budget` goes (an
+  /// image of noise does not get through), at most kMaxFeatures descriptors.
+  Outcome capture(const ImageView& image, const Parameters& parameters, Scratch& scratch,
+                  WorkBudget& budget) {
     matcher_.clear();
+    matched_ = false;
+    search_ = PoseSearch<Scalar>();
     auto& corners = *new (&scratch.corners) typename Scratch::Corners();
-    for (int cell = 0; cell < kColumns * kRows; ++cell) {
-      find_best(image, cell, parameters, corners);
+    budget.spend(kMaxFeatures * work::kDescriptor);
+    for (int i = 0; i < kCells; ++i) {
+      find_best(image, i * kStride % kCells, parameters, corners, budget);
     }
     // The best of every cell first: a full matcher is then spread over the whole image.
     for (int k = 0; k < kMaxPerCell; ++k) {
-      for (int cell = 0; cell < kColumns * kRows; ++cell) {
+      for (int cell = 0; cell < kCells; ++cell) {
         if (k < corners.count[cell]) describe(image, corners.best[k][cell]);
       }
     }
@@ -87,14 +110,26 @@ class Relocaliser {
     return working_ ? Outcome::kWorking : Outcome::kNothingToSee;
   }
 
-  /// Goes on. Cost: `max_pairs_per_step` comparisons and, in the last step, a RANSAC.
+  /// Goes on, with the comparisons first, then with the samples. Cost: step_work().
   template <class Library>
   Outcome step(const PinholeCamera<Scalar>& camera, const Library& library,
                const Parameters& parameters, Random& random, Scratch& scratch) {
-    if (!matcher_.step(library, parameters.max_pairs_per_step, parameters.matcher)) {
+    if (!matched_) {
+      matched_ = matcher_.step(library, parameters.max_pairs_per_step, parameters.matcher);
       return Outcome::kWorking;
     }
-    working_ = false;
+    const Outcome outcome = look_for_pose(camera, library, parameters, random, scratch);
+    working_ = outcome == Outcome::kWorking;
+    return outcome;
+  }
+
+  /// The pose found, in the map's coordinates.
+  const Rigid<Scalar>& T_map_camera() const { return T_map_camera_; }
+
+ private:
+  template <class Library>
+  Outcome look_for_pose(const PinholeCamera<Scalar>& camera, const Library& library,
+                        const Parameters& parameters, Random& random, Scratch& scratch) {
     auto& pose = *new (&scratch.pose) typename Scratch::Pose();
     LibraryMatch* matches = pose.matches;
     PoseObservation<Scalar>* observations = pose.observations;
@@ -102,20 +137,21 @@ class Relocaliser {
     const int usable =
         to_observations(library, matcher_, matches, count, parameters.sigma_px, observations);
     if (usable < parameters.ransac.min_inliers) return Outcome::kFailed;
+    bool done = false;
+    const Status searched = search_pose(camera, observations, usable, parameters.ransac,
+                                        parameters.samples_per_step, random, search_, done);
+    if (!ok(searched)) return Outcome::kFailed;
+    if (!done) return Outcome::kWorking;
     PoseEstimate<Scalar> estimate;
     PoseRansacReport<Scalar> report;
-    const Status status = estimate_pose_ransac(camera, observations, usable, parameters.ransac,
-                                               random, T_map_camera_, estimate, report);
+    const Status concluded = conclude_pose(camera, observations, usable, parameters.ransac, search_,
+                                           T_map_camera_, estimate, report);
     // Of two places that look alike, the caller's own idea of where it is decides.
-    return ok(status) ? Outcome::kFound : Outcome::kFailed;
+    return ok(concluded) ? Outcome::kFound : Outcome::kFailed;
   }
 
-  /// The pose found, in the map's coordinates.
-  const Rigid<Scalar>& T_map_camera() const { return T_map_camera_; }
-
- private:
   void find_best(const ImageView& image, int cell, const Parameters& parameters,
-                 typename Scratch::Corners& corners) {
+                 typename Scratch::Corners& corners, WorkBudget& budget) {
     corners.count[cell] = 0;
     const int width = (image.width + kColumns - 1) / kColumns;
     const int height = (image.height + kRows - 1) / kRows;
@@ -124,13 +160,17 @@ class Relocaliser {
     const int margin = parameters.margin_px;
     const Rect rect = intersect({x0, y0, x0 + width, y0 + height},
                                 {margin, margin, image.width - margin, image.height - margin});
-    if (rect.empty() || rect.width() > kMaxCellWidth) return;
+    if (rect.empty() || rect.width() > kMaxCellWidth ||
+        !budget.affords(work::fast(rect.width(), rect.height()))) {
+      return;
+    }
     Corner found[kCornersPerCell];
     FastReport fast;
     if (!ok(detect_fast(image, rect, parameters.fast_threshold, corners.fast, found,
                         kCornersPerCell, fast))) {
       return;
     }
+    budget.spend(work::fast(rect.width(), rect.height(), fast.candidates));
     for (int i = 0; i < fast.found - fast.dropped; ++i) {
       if (found[i].score < parameters.min_score) continue;
       int k = corners.count[cell] < kMaxPerCell ? corners.count[cell]++ : kMaxPerCell - 1;
@@ -153,8 +193,10 @@ class Relocaliser {
   }
 
   Matcher matcher_;
+  PoseSearch<Scalar> search_;
   Rigid<Scalar> T_map_camera_;
   bool working_ = false;
+  bool matched_ = false;  ///< with the whole library
 };
 
 }  // namespace cairn

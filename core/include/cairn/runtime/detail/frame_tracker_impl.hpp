@@ -43,6 +43,9 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   unrecognised_ = 0;
   has_library_ = false;
   captured_ = false;
+  place_found_ = false;
+  work_limit_ = parameters.work_limit;
+  frames_without_mapping_ = 0;
   patience_ = parameters.map_anew_after;
   return Status::kOk;
 }
@@ -158,6 +161,7 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   report.t_us = t_us;
   const std::uint32_t start = ticks.now();
   supply_.begin(image.width, image.height);
+  begin_work();
   const std::uint32_t prepared = ticks.now();
 
   report.status = integrate_to(t_us);
@@ -169,16 +173,18 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   FixedVector<PixelMatch<float>, kMaxLandmarks>& matches = matches_;
   matches.clear();
   SearchTotals totals;
-  // While the place is looked up, that work takes the place of searches.
-  const int least = captures_next() ? 0 : parameters_.max_searches / 2;
-  const int searches = looks_for_place() ? least : parameters_.max_searches;
-  search_landmarks(image, View{*this}, table_, parameters_.search, searches, scratch_.search,
-                   matches, totals);
+  WorkBudget searching(searching_work());
+  search_landmarks(image, View{*this}, table_, parameters_.search, searches_planned(),
+                   scratch_.search, matches, totals, searching);
+  work_.spend(searching.spent());
+  if (totals.deferred > 0 && !searching.affords(work::kLandmarkSearch)) {
+    report.cut = totals.searched > 0 ? FrameCut::kFewerUpdates : FrameCut::kPredictionOnly;
+  }
   report.corners = totals.corners;
   report.candidates = totals.descriptors;
   report.searched = totals.searched;
   report.matches = matches.size();
-  health_.searches_deferred += static_cast<std::uint32_t>(totals.deferred);
+  report.deferred = totals.deferred;
   health_.corners_dropped += static_cast<std::uint32_t>(totals.corners_dropped);
   const std::uint32_t searched = ticks.now();
 
@@ -190,6 +196,7 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   report.T_world_camera.translation -= map_offset();
   pass_milestones();
   report.landmarks = filter_.landmark_count();
+  end_work(report);
   const std::uint32_t updated = ticks.now();
 
   report.stage_ticks[static_cast<int>(Stage::kPreprocess)] = prepared - start;
@@ -210,6 +217,7 @@ void FrameTracker<Config, Filter>::keep_map(const ImageView& image, Map& map, Fr
   if (known) {
     remove_landmarks(map, report);
     places_.reset();
+    place_found_ = false;
     unrecognised_ = 0;
   } else if (can_recognise && looks_for_place()) {
     pool_.clear();
@@ -230,13 +238,20 @@ void FrameTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLan
   const float least = weak_frames_ < 2 ? parameters_.min_match_share : parameters_.min_return_share;
   const bool looked_up = matches.data() != matches_.data();
   if (!looked_up) {
-    const auto found = static_cast<float>(matches.size());
-    if (found < least * static_cast<float>(report.searched)) return;
+    const auto share = static_cast<float>(matches.size());
+    if (share < least * static_cast<float>(report.searched)) return;
     if (weak_frames_ >= 2 && matches.size() < parameters_.min_return_matches) return;
+  }
+  const int found = matches.size();
+  afford_update(matches, report);
+  if (matches.size() < found && report.cut < FrameCut::kFewerUpdates) {
+    report.cut = FrameCut::kFewerUpdates;
   }
   const Status status =
       filter_.update_pixels(camera_, T_vehicle_camera_, parameters_.sigma_px, matches.data(),
                             matches.size(), random_, report.update);
+  work_.spend(work::planar_update(3 + 3 * filter_.landmark_count(), matches.size(),
+                                  report.update.hypotheses, report.update.nis_dof / 2));
   if (!ok(status)) {
     if (ok(report.status)) report.status = status;
     for (PixelMatch<float>& match : matches) match.inlier = false;
@@ -263,7 +278,7 @@ void FrameTracker<Config, Filter>::note_matches(
     ++landmark->measured;
     landmark->misses = 0;
     report.from_library += landmark->from_library ? 1 : 0;
-    if (!landmark->appearance.has_patch) {
+    if (!landmark->appearance.has_patch && take(work::kAppearance)) {
       if (landmark->measured == 1) tell(map, Map::Message::Kind::kFound, match.id);
       // Near the border it is tried again with the next match.
       static_cast<void>(make_appearance(image, round_to_int(match.pixel.x()),
@@ -283,7 +298,8 @@ void FrameTracker<Config, Filter>::judge(FrameReport& report) {
     weak_frames_ = 0;
     state_ = TrackingState::kTracking;
   } else if (state_ != TrackingState::kInitialising) {
-    ++weak_frames_;
+    // A frame that did not look tells nothing of the map.
+    if (report.cut != FrameCut::kPredictionOnly) ++weak_frames_;
     const bool lost = weak_frames_ > parameters_.uncertain_frames_to_lost;
     if (lost && state_ != TrackingState::kLost) ++health_.losses;
     state_ = lost ? TrackingState::kLost : TrackingState::kUncertain;

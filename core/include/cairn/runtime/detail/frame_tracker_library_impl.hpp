@@ -97,6 +97,7 @@ template <class Config, class Filter>
 void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, FrameReport& report) {
   constexpr int kReserve = kMaxLandmarks / 12;
   constexpr float kMargin = 40.0F;
+  if (!take(parameters_.library_slots_per_frame * work::kLibrarySlot)) return;
   LandmarkId active[kMaxLandmarks];
   for (int slot = 0; slot < filter_.landmark_count(); ++slot) {
     active[slot] = filter_.landmark_id(slot);
@@ -117,8 +118,9 @@ void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, Fra
                    Span<LandmarkId>{active, filter_.landmark_count()}, visible, kReentryCandidates);
   for (int i = 0; i < count && report.reentered < parameters_.max_reentries_per_frame; ++i) {
     if (filter_.landmark_count() + kReserve >= kMaxLandmarks) return;
-    if (is_old(visible[i].id) && !recently_refused(visible[i].id))
-      reenter(library[visible[i].slot], report);
+    if (!is_old(visible[i].id) || recently_refused(visible[i].id)) continue;
+    if (!take(work::kPromotion)) return;
+    reenter(library[visible[i].slot], report);
   }
 }
 
@@ -154,19 +156,31 @@ bool FrameTracker<Config, Filter>::reenter(const LibraryLandmark& archived, Fram
 }
 
 /// One step towards the place: an image is taken, compared with the library over the next frames,
-/// and a pose that comes of it must agree with the filter's and with the image of that time.
+/// and a pose that comes of it must agree with the filter's and, in the frame after, with the image
+/// of that time.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Library& library,
                                               Map& map, FrameReport& report) {
   using Outcome = typename Places::Outcome;
+  if (place_found_) {
+    place_found_ = false;
+    if (come_back(image, library, map, report)) {
+      report.relocalised = true;
+      ++health_.relocalisations;
+    } else {
+      refuse_place();
+    }
+    return;
+  }
   if (!places_.working()) {
-    captured_ = !captured_;
+    captured_ = !captured_ && work_.affords(Places::capture_work(image));
     if (!captured_) return;
     T_world_camera_captured_ = T_world_camera();
-    static_cast<void>(places_.capture(image, parameters_.places, scratch_.places));
+    static_cast<void>(places_.capture(image, parameters_.places, scratch_.places, work_));
     return;
   }
   captured_ = false;
+  if (!take(Places::step_work(parameters_.places))) return;
   const Outcome outcome =
       places_.step(camera_, library, parameters_.places, random_, scratch_.places);
   if (outcome == Outcome::kFailed) {
@@ -175,14 +189,15 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
         parameters_.map_anew_after * (in_known_place(library) ? parameters_.known_patience : 1);
   }
   if (outcome != Outcome::kFound) return;
-  if (plausible(places_.T_map_camera()) && come_back(image, library, map, report)) {
-    report.relocalised = true;
-    ++health_.relocalisations;
-  } else {
-    ++health_.false_relocalisations_refused;
-    // The camera shows a place of the map where the vehicle cannot be: nothing to map there.
-    unrecognised_ = -4 * parameters_.map_anew_after;
-  }
+  place_found_ = plausible(places_.T_map_camera());
+  if (!place_found_) refuse_place();
+}
+
+/// The camera shows a place of the map where the vehicle cannot be: nothing to map there.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::refuse_place() {
+  ++health_.false_relocalisations_refused;
+  unrecognised_ = -4 * parameters_.map_anew_after;
 }
 
 /// Whether the library has much to show where odometry says the vehicle is. If so, a camera that
@@ -194,6 +209,7 @@ bool FrameTracker<Config, Filter>::in_known_place(const Library& library) {
   VisibleLandmark<float>* visible = (new (&scratch_.coming_back) ComingBack())->visible;
   VisibilityOptions<float> options;
   options.min_cosine = 0.9F;
+  work_.spend(library.size() * work::kLibrarySlot);
   return find_visible(library, camera_, T_map_camera, options, Span<LandmarkId>{}, visible,
                       kReentryCandidates) >= parameters_.expected_in_view;
 }
@@ -234,33 +250,34 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
   VisibilityOptions<float> options;
   options.margin_px = 30.0F;
   options.min_cosine = 0.9F;
-  ComingBack& work = *new (&scratch_.coming_back) ComingBack();
+  ComingBack& memory = *new (&scratch_.coming_back) ComingBack();
+  work_.spend(library.size() * work::kLibrarySlot);
   const int count = find_visible(library, camera_, T_map_camera, options, Span<LandmarkId>{},
-                                 work.visible, kReentryCandidates);
-  find_expected(image, library, T_map_camera, count, work);
-  if (work.matches.size() < kMinFound || 2 * work.matches.size() < count) return false;
+                                 memory.visible, kReentryCandidates);
+  find_expected(image, library, T_map_camera, count, memory);
+  if (memory.matches.size() < kMinFound || 2 * memory.matches.size() < count) return false;
 
-  make_room(map, work.matches.size() + 2, kMaxLandmarks, report);
-  for (int i = work.matches.size() - 1; i >= 0; --i) {
-    PixelMatch<float>& match = work.matches[i];
+  make_room(map, memory.matches.size() + 2, kMaxLandmarks, report);
+  for (int i = memory.matches.size() - 1; i >= 0; --i) {
+    PixelMatch<float>& match = memory.matches[i];
     if (filter_.find(match.id) >= 0) continue;
-    if (reenter(library[match.slot], report)) {
-      work.entered.push_back(match.id);
+    if (take(work::kPromotion) && reenter(library[match.slot], report)) {
+      memory.entered.push_back(match.id);
     } else {
-      work.matches.remove_unordered(i);
+      memory.matches.remove_unordered(i);
     }
   }
-  for (PixelMatch<float>& match : work.matches) match.slot = filter_.find(match.id);
+  for (PixelMatch<float>& match : memory.matches) match.slot = filter_.find(match.id);
   report.inliers = 0;
-  report.matches = work.matches.size();
+  report.matches = memory.matches.size();
   report.status = Status::kOk;
-  update(work.matches, report);
+  update(memory.matches, report);
   if (report.inliers >= kMinFound) {
-    note_matches(image, map, work.matches, report);
+    note_matches(image, map, memory.matches, report);
     return true;
   }
   report.inliers = 0;
-  for (const LandmarkId id : work.entered) remove_landmark(filter_.find(id), report);
+  for (const LandmarkId id : memory.entered) remove_landmark(filter_.find(id), report);
   return false;
 }
 
@@ -269,10 +286,10 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::find_expected(const ImageView& image, const Library& library,
                                                  const Rigid<float>& T_map_camera, int count,
-                                                 ComingBack& work) {
+                                                 ComingBack& memory) {
   constexpr float kWindowVariance = 16.0F;  // px^2: the pose found, and the way made since
   for (int i = 0; i < count; ++i) {
-    const VisibleLandmark<float>& visible = work.visible[i];
+    const VisibleLandmark<float>& visible = memory.visible[i];
     const LandmarkView<float>& view = library[visible.slot].views[0];
     PixelPrediction<float> prediction;
     prediction.id = visible.id;
@@ -286,16 +303,19 @@ void FrameTracker<Config, Filter>::find_expected(const ImageView& image, const L
     Matrix2<float> warp;
     PixelMatch<float> match;
     SearchReport search;
+    if (!work_.affords(work::kLandmarkSearch)) return;
     if (!ok(predict_warp(camera_, view.T_world_reference, T_map_camera, prediction.p_camera,
-                         warp)) ||
-        !ok(search_landmark(image, prediction, appearance, warp, parameters_.search, work.search,
-                            match.pixel, search))) {
+                         warp))) {
       continue;
     }
+    const Status status = search_landmark(image, prediction, appearance, warp, parameters_.search,
+                                          memory.search, match.pixel, search);
+    work_.spend(search.work);
+    if (!ok(status)) continue;
     match.id = visible.id;
     match.slot = visible.slot;
     match.descriptor_distance = search.distance;
-    work.matches.push_back(match);
+    memory.matches.push_back(match);
   }
 }
 

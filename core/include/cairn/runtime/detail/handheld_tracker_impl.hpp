@@ -72,8 +72,9 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
 
   FixedVector<PixelMatch<float>, kMaxFeatures> matches;
   SearchTotals totals;
+  WorkBudget unlimited;
   search_landmarks(image, View{filter_}, table_, parameters_.search, parameters_.max_searches,
-                   scratch_.search, matches, totals);
+                   scratch_.search, matches, totals, unlimited);
   report.corners = totals.corners;
   report.candidates = totals.descriptors;
   report.searched = totals.searched;

@@ -1,0 +1,64 @@
+#pragma once
+
+#include "cairn/numeric/math.hpp"
+
+namespace cairn {
+
+/// Work of one frame, counted and never timed: a unit is 1000 instructions of a Cortex-M7. Each
+/// stage asks whether the most that its next piece of work can take is still there, and books what
+/// the piece did take, told from its counts. So a frame ends within its budget whatever the image
+/// shows, and the same input does the same work on every machine.
+class WorkBudget {
+ public:
+  /// Without a limit.
+  WorkBudget() = default;
+  explicit WorkBudget(int units) : left_(units) {}
+
+  bool affords(int units) const { return units <= left_; }
+  void spend(int units) {
+    left_ -= units;
+    spent_ += units;
+  }
+  int left() const { return left_; }
+  int spent() const { return spent_; }
+
+ private:
+  static constexpr int kUnlimited = 1 << 30;
+  int left_ = kUnlimited;
+  int spent_ = 0;
+};
+
+/// What pieces of work take, in units: upper bounds on the Cortex-M7 (docs/reference/timing.md),
+/// held by the work column of scripts/firmware.sh --timing.
+namespace work {
+
+inline constexpr int kDescriptor = 17;  ///< describe_freak() and a comparison
+inline constexpr int kAlignment = 46;   ///< align_patch(), template included
+inline constexpr int kProjection = 4;   ///< of a landmark, with its innovation covariance
+inline constexpr int kAppearance = 24;  ///< make_appearance()
+
+/// detect_fast() over a window: the most it takes, where every pixel may be a corner, and what it
+/// took with as many of them before non-maximum suppression (FastReport::candidates).
+inline constexpr int fast(int width, int height) { return 1 + width * height / 8; }
+inline constexpr int fast(int width, int height, int candidates) {
+  return 1 + width * height / 45 + 3 * candidates / 8;
+}
+
+inline constexpr int kFrame = 150;     ///< prediction, lists, reports
+inline constexpr int kRemoval = 60;    ///< of a landmark, with its hand-over to the library
+inline constexpr int kPromotion = 90;  ///< of a candidate, or of a library landmark, to the filter
+inline constexpr int kKeyframe = 60;
+inline constexpr int kLibrarySlot = 3;  ///< projection of a library landmark
+
+/// update_pixels(): `hypotheses` of `candidates`, then `used` measurements of two rows, with
+/// `states` in the covariance.
+inline int planar_update(int states, int candidates, int hypotheses, int used) {
+  const int look = 12 + 16 * candidates + hypotheses * (states / 10 + 2 * candidates);
+  const int gains = used * (8 + states / 8);
+  const int passes = 1 + (used + 3) / 4;
+  return look + gains + passes * (states * states / 90);
+}
+
+}  // namespace work
+
+}  // namespace cairn

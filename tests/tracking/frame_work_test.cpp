@@ -1,0 +1,155 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/runtime/replay.hpp"
+#include "cairn/runtime/vehicle_tracker.hpp"
+
+#include "plane_scene.hpp"
+
+namespace cairn {
+namespace {
+
+using Filter = GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
+using Vehicle = VehicleTracker<DefaultConfig, Filter>;
+using Image = std::vector<std::uint8_t>;
+
+constexpr int kOwnLimit = -1;
+
+/// GIVEN a vehicle that drives along a wall, which its camera looks at.
+class VehicleWithAWorkLimit : public ::testing::Test {
+ protected:
+  static constexpr double kStep = 0.02;
+  static constexpr std::int64_t kStepUs = 33333;
+  static constexpr int kWarm = 40;
+
+  static const Image& picture(int frame) {
+    static std::vector<Image> images;
+    static const test::PlaneScene scene(2.0, 0.22);
+    while (static_cast<int>(images.size()) <= frame) {
+      const double x = static_cast<double>(images.size()) * kStep;
+      images.push_back(
+          scene.render(test::small_camera(), {Quaternion<double>::Identity(), {x, 0, 0}}));
+    }
+    return images[static_cast<std::size_t>(frame)];
+  }
+
+  VehicleWithAWorkLimit() {
+    const Rigid<float> T_vehicle_camera{{0.70710678F, -0.70710678F, 0.0F, 0.0F},
+                                        {0.0F, 0.0F, 1.0F}};
+    Vehicle::Start start;
+    start.covariance = 1e-8F * Matrix3<float>::Identity();
+    Vehicle::Parameters parameters;
+    parameters.odometry = {0.02F, 0.02F, 0.5F, 0.033333F};
+    EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), T_vehicle_camera,
+                                        start, parameters)));
+  }
+
+  void drive(int frames, int limit) {
+    const int own = Vehicle::Parameters{}.work_limit;
+    EXPECT_TRUE(ok(tracker_->set_work_limit(limit == kOwnLimit ? own : limit)));
+    reports_.clear();
+    for (int k = 0; k < frames; ++k) {
+      OdometrySample sample;
+      sample.t_us = frame_ * kStepUs;
+      sample.speed_mps = frame_ == 0 ? 0.0F : static_cast<float>(kStep / (1e-6 * kStepUs));
+      EXPECT_TRUE(ok(tracker_->add_odometry(sample)));
+      FrameReport report;
+      static_cast<void>(tracker_->process_frame(test::view(picture(frame_), test::small_camera()),
+                                                sample.t_us, TickSource{}, report));
+      EXPECT_EQ(report.t_us, sample.t_us);
+      reports_.push_back(report);
+      hash_.add(frame_hash(*tracker_, report));
+      ++frame_;
+    }
+  }
+
+  int count(FrameCut cut) const {
+    return static_cast<int>(std::count_if(reports_.begin(), reports_.end(),
+                                          [cut](const FrameReport& r) { return r.cut == cut; }));
+  }
+  int most_work() const {
+    int most = 0;
+    for (const FrameReport& report : reports_) most = std::max(most, report.work);
+    return most;
+  }
+  double position_error() const {
+    return std::abs(static_cast<double>(tracker_->filter().mean_pose().position.x()) -
+                    (frame_ - 1) * kStep);
+  }
+
+  std::unique_ptr<Vehicle> tracker_ = std::make_unique<Vehicle>();
+  std::vector<FrameReport> reports_;
+  Hash64 hash_;
+  int frame_ = 0;
+};
+
+TEST_F(VehicleWithAWorkLimit, GivesNothingUpUnderItsOwnLimit) {
+  drive(kWarm, kOwnLimit);
+  EXPECT_EQ(count(FrameCut::kNone), kWarm);
+  EXPECT_EQ(tracker_->health().budget_exceeded, 0U);
+  EXPECT_LE(most_work(), Vehicle::Parameters{}.work_limit);
+}
+
+/// The rungs of the ladder: fewer updates and no new map, then nothing but odometry; a pose every
+/// frame, and no frame above its limit.
+TEST_F(VehicleWithAWorkLimit, StepsDownTheLadderAsTheLimitShrinks) {
+  drive(kWarm, kOwnLimit);
+  const int usual = reports_.back().inliers;
+  ASSERT_GE(usual, 12);
+
+  drive(6, 2600);
+  EXPECT_LE(most_work(), 2600);
+  EXPECT_EQ(count(FrameCut::kNone) + count(FrameCut::kPredictionOnly), 0);
+  EXPECT_GE(reports_.back().inliers, Vehicle::Parameters{}.min_inliers);
+  EXPECT_LT(reports_.back().inliers, usual);
+  EXPECT_EQ(reports_.back().state, TrackingState::kTracking);
+
+  drive(6, 700);
+  EXPECT_LE(most_work(), 700);
+  EXPECT_EQ(count(FrameCut::kPredictionOnly), 6);
+  EXPECT_EQ(reports_.back().inliers, 0);
+  EXPECT_EQ(reports_.back().state, TrackingState::kUncertain);
+  EXPECT_LT(position_error(), 0.05);
+  EXPECT_GE(tracker_->health().budget_exceeded, 12U);
+}
+
+/// A second without any work but prediction: the map is neither forgotten nor mistrusted.
+TEST_F(VehicleWithAWorkLimit, IsBackWithinFiveFrames) {
+  drive(kWarm, kOwnLimit);
+  const int landmarks = reports_.back().landmarks;
+  drive(30, 0);
+  EXPECT_EQ(count(FrameCut::kPredictionOnly), 30);
+  EXPECT_EQ(tracker_->health().losses, 0U);
+  EXPECT_GE(reports_.back().landmarks, landmarks - 8);  // remembered positions may end
+  drive(5, kOwnLimit);
+  EXPECT_EQ(reports_.back().state, TrackingState::kTracking);
+  EXPECT_GE(reports_.back().inliers, Vehicle::Parameters{}.min_inliers);
+  EXPECT_LT(position_error(), 0.05);
+}
+
+/// Matching alone would take all of a tight limit for ever, and the vehicle would drive out of its
+/// map.
+TEST_F(VehicleWithAWorkLimit, GoesOnMappingUnderATightLimit) {
+  drive(kWarm, kOwnLimit);
+  drive(90, 4000);
+  EXPECT_LE(most_work(), 4000);
+  int added = 0;
+  for (const FrameReport& report : reports_) added += report.added;
+  EXPECT_GT(added, 10);
+  EXPECT_EQ(reports_.back().state, TrackingState::kTracking);
+  EXPECT_LT(position_error(), 0.1);
+}
+
+TEST_F(VehicleWithAWorkLimit, RefusesANegativeLimit) {
+  EXPECT_EQ(tracker_->set_work_limit(-1), Status::kInvalidArgument);
+  drive(1, kOwnLimit);
+  EXPECT_EQ(count(FrameCut::kNone), 1);
+}
+
+}  // namespace
+}  // namespace cairn
