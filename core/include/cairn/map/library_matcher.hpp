@@ -59,6 +59,28 @@ class LibraryMatcher {
   int feature_count() const { return descriptors_.size(); }
   const Vector2<Scalar>& pixel(int feature) const { return pixels_[feature]; }
 
+  /// The feature that looks most like `descriptor` of those whose pixel `may_be` accepts, and
+  /// clearly more so than the next; -1 where there is none. Cost: a comparison for each of them.
+  template <class MayBe>
+  int best_of(const Descriptor& descriptor, const LibraryMatcherOptions& options,
+              MayBe may_be) const {
+    int best = -1;
+    int distance = 513;
+    int second = 513;
+    for (int f = 0; f < descriptors_.size(); ++f) {
+      if (!may_be(pixels_[f])) continue;
+      const int d = hamming_distance(descriptor, descriptors_[f]);
+      if (d < distance) {
+        second = distance;
+        distance = d;
+        best = f;
+      } else if (d < second) {
+        second = d;
+      }
+    }
+    return distance <= options.max_distance && is_clear(distance, second, options) ? best : -1;
+  }
+
   /// Compares further landmarks with every feature until `max_pairs` pairs are spent (at least one
   /// landmark). True when the library has been gone through.
   /// Cost: about 80 instructions a pair and 200 more for the pairs that pass the cascade

@@ -16,6 +16,7 @@
 #include "cairn/tracking/candidate_pool.hpp"
 #include "cairn/tracking/feature_supply.hpp"
 #include "cairn/tracking/landmark_search.hpp"
+#include "cairn/tracking/planar_pose_search.hpp"
 #include "cairn/tracking/relocaliser.hpp"
 
 namespace cairn {
@@ -171,7 +172,7 @@ class FrameTracker {
 
   static constexpr float kShortestPath_m = 1e-3F;
 
-  static Rigid<float> lift(const PlanarPose<float>& pose);
+  static Rigid<float> lift(const PlanarPose<float>& pose) { return on_floor(pose); }
   Status check_input(const ImageView& image, std::int64_t t_us);
   Status integrate_to(std::int64_t t_us);
   PlanarIncrement<float> increment_of(const OdometrySample& motion, float dt, float scale) const;
@@ -306,6 +307,8 @@ class FrameTracker {
   int next_refused_ = 0;
   Places places_;
   Rigid<float> T_world_camera_captured_;
+  PlanarPrior prior_captured_;  ///< in the library's coordinates
+  bool looked_near_ = false;
   bool captured_ = false;     ///< by the last frame that looked for its place
   bool place_found_ = false;  ///< to be verified in the next frame
   bool has_library_ = false;  ///< something to look a place up in

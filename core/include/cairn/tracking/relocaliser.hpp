@@ -4,7 +4,9 @@
 
 #include "cairn/geometry/pose_ransac.hpp"
 #include "cairn/map/library_matcher.hpp"
+#include "cairn/map/visibility.hpp"
 #include "cairn/tracking/appearance.hpp"
+#include "cairn/tracking/planar_pose_search.hpp"
 #include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/fast.hpp"
 
@@ -29,6 +31,7 @@ class Relocaliser {
   static constexpr int kStride = 19;  ///< coprime to kCells: what is left out is spread
   static constexpr int kMaxCellWidth = Config::kMaxImageWidth / kColumns + 1;
   static constexpr int kCornersPerCell = 6;
+  static constexpr int kMaxNear = PlanarPoseOptions::kMaxSightings;
   static constexpr int kMaxPerCell = 3;  ///< of these, described
 
   struct Parameters {
@@ -44,6 +47,7 @@ class Relocaliser {
     int samples_per_step = 24;
     Scalar sigma_px = Scalar(1.5);
     LibraryMatcherOptions matcher;
+    PlanarPoseOptions near;
     PoseRansacOptions<Scalar> ransac;
   };
 
@@ -65,6 +69,10 @@ class Relocaliser {
       Corner best[kMaxPerCell][kCells];  // best[k]: the k-th best of each cell
       int count[kCells];
     } corners;
+    struct Near {
+      VisibleLandmark<float> visible[kMaxNear];
+      PlanarSighting sightings[kMaxNear];
+    } near;
     struct Pose {
       LibraryMatch matches[kMaxFeatures];
       PoseObservation<Scalar> observations[kMaxFeatures];
@@ -87,6 +95,21 @@ class Relocaliser {
     const int pose = kRefinement + parameters.samples_per_step * kSample;
     return match > pose ? match : pose;
   }
+
+  /// The most units of work that look_near() takes.
+  static constexpr int near_work() {
+    constexpr int kPairsPerUnit = 4;
+    constexpr int kHypothesesPerUnit = 1;
+    return Config::kLibraryLandmarks * work::kLibrarySlot + kMaxNear * work::kLibrarySlot +
+           kMaxNear * kMaxFeatures / kPairsPerUnit + kMaxNear * kMaxNear / kHypothesesPerUnit;
+  }
+
+  /// Looks for the pose of the image near a prior: each landmark that should be in view is compared
+  /// with the features inside its ellipse alone. True where T_map_camera() is the pose; false where
+  /// it was not found, and step() goes on. Cost: near_work().
+  template <class Library>
+  bool look_near(const PlanarView& view, const PlanarPrior& prior, const Library& library,
+                 const Parameters& parameters, Scratch& scratch);
 
   /// Begins with an image. Cost: FAST over the image, cell by cell as far as `budget` goes (an
   /// image of noise does not get through), at most kMaxFeatures descriptors.
@@ -198,5 +221,59 @@ class Relocaliser {
   bool working_ = false;
   bool matched_ = false;  ///< with the whole library
 };
+
+template <class Config>
+template <class Library>
+bool Relocaliser<Config>::look_near(const PlanarView& view, const PlanarPrior& prior,
+                                    const Library& library, const Parameters& parameters,
+                                    Scratch& scratch) {
+  constexpr float kWideGate = 13.82F;  // 99.9 %
+  constexpr float kBeyondImage_px = 80.0F;
+  auto& near = *new (&scratch.near) typename Scratch::Near();
+  VisibilityOptions<float> options;
+  options.margin_px = -kBeyondImage_px;
+  options.min_cosine = 0.8F;
+  options.min_scale = 0.7F;
+  options.max_scale = 1.5F;
+  const Rigid<float> T_map_vehicle = on_floor(prior.pose);
+  const int count = find_visible(library, view.camera, T_map_vehicle * view.T_vehicle_camera,
+                                 options, Span<LandmarkId>{}, near.visible, kMaxNear);
+  int sightings = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto& landmark = library[near.visible[i].slot];
+    Vector2<float> pixel;
+    Matrix<float, 2, 3> jacobian;
+    if (!ok(view.predict(prior.pose, landmark.p_world, pixel, jacobian))) continue;
+    const float distance = near.visible[i].prediction.p_camera.z();
+    PlanarSighting& sighting = near.sightings[sightings];
+    sighting.p_map = landmark.p_world;
+    sighting.sigma_px = sqrt(square(parameters.sigma_px) + landmark.covariance.trace() / 3.0F *
+                                                               square(view.camera.fx / distance));
+    const Matrix2<float> S = jacobian * prior.covariance * jacobian.transpose() +
+                             square(sighting.sigma_px) * Matrix2<float>::Identity();
+    float i00 = 0.0F;
+    float i01 = 0.0F;
+    float i11 = 0.0F;
+    if (!invert_spd2(S(0, 0), S(0, 1), S(1, 1), i00, i01, i11)) continue;
+    const int feature = matcher_.best_of(
+        landmark.views[0].descriptor, parameters.matcher, [&](const Vector2<float>& at) {
+          const Vector2<float> e = at - pixel;
+          return e.x() * e.x() * i00 + 2.0F * e.x() * e.y() * i01 + e.y() * e.y() * i11 <=
+                 kWideGate;
+        });
+    if (feature < 0) continue;
+    sighting.pixel = matcher_.pixel(feature);
+    ++sightings;
+  }
+  PlanarPose<float> pose;
+  int support = 0;
+  if (!ok(find_planar_pose(view, prior, near.sightings, sightings, parameters.near, pose,
+                           support))) {
+    return false;
+  }
+  T_map_camera_ = on_floor(pose) * view.T_vehicle_camera;
+  working_ = false;
+  return true;
+}
 
 }  // namespace cairn

@@ -51,14 +51,6 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
 }
 
 template <class Config, class Filter>
-Rigid<float> FrameTracker<Config, Filter>::lift(const PlanarPose<float>& pose) {
-  float sine = 0.0F;
-  float cosine = 1.0F;
-  sin_cos(0.5F * pose.heading, sine, cosine);
-  return {{cosine, 0.0F, 0.0F, sine}, {pose.position.x(), pose.position.y(), 0.0F}};
-}
-
-template <class Config, class Filter>
 void FrameTracker<Config, Filter>::augment(Augmenter& augmenter, const MutableImageView& overlay,
                                            const TickSource& ticks, FrameReport& report) {
   const std::uint32_t start = ticks.now();

@@ -176,10 +176,20 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     captured_ = !captured_ && work_.affords(Places::capture_work(image));
     if (!captured_) return;
     T_world_camera_captured_ = T_world_camera();
+    prior_captured_ = {filter_.mean_pose(), filter_.pose_covariance()};
+    prior_captured_.pose.position -= map_offset().template head<2>();
+    looked_near_ = false;
     static_cast<void>(places_.capture(image, parameters_.places, scratch_.places, work_));
     return;
   }
   captured_ = false;
+  if (!looked_near_) {
+    if (!take(Places::near_work())) return;
+    looked_near_ = true;
+    place_found_ = places_.look_near({camera_, T_vehicle_camera_}, prior_captured_, library,
+                                     parameters_.places, scratch_.places);
+    return;
+  }
   if (!take(Places::step_work(parameters_.places))) return;
   const Outcome outcome =
       places_.step(camera_, library, parameters_.places, random_, scratch_.places);

@@ -31,7 +31,9 @@ template <class Config, class Filter>
 int FrameTracker<Config, Filter>::searching_work() const {
   const bool mapping_waits = frames_without_mapping_ >= parameters_.max_frames_without_mapping;
   int left = mapping_waits ? work_.left() / 2 : work_.left();
-  if (looks_for_place() && places_.working()) left -= Places::step_work(parameters_.places);
+  if (looks_for_place() && places_.working()) {
+    left -= looked_near_ ? Places::step_work(parameters_.places) : Places::near_work();
+  }
   const int planned =
       searches_planned() < filter_.landmark_count() ? searches_planned() : filter_.landmark_count();
   // A limit that does not pay the update of all of them pays some searches and some updates.

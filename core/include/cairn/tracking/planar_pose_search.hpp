@@ -1,0 +1,58 @@
+#pragma once
+
+#include "cairn/geometry/camera.hpp"
+#include "cairn/geometry/rigid.hpp"
+#include "cairn/geometry/types.hpp"
+#include "cairn/numeric/status.hpp"
+#include "cairn/planar/types.hpp"
+
+namespace cairn {
+
+/// Where a vehicle believes to be in the map, with the covariance of (x, y, heading): m^2, m rad,
+/// rad^2, additive.
+struct PlanarPrior {
+  PlanarPose<float> pose;
+  Matrix3<float> covariance = Matrix3<float>::Zero();
+};
+
+/// A vehicle on the floor, as a pose in space.
+Rigid<float> on_floor(const PlanarPose<float>& pose);
+
+/// A point of the map and a pixel that may be its own.
+struct PlanarSighting {
+  Vector3<float> p_map = Vector3<float>::Zero();  ///< m
+  Vector2<float> pixel = Vector2<float>::Zero();
+  float sigma_px = 1.5F;  ///< of the pixel, the point's own error included
+};
+
+/// A vehicle's camera on the floor of the map.
+struct PlanarView {
+  const PinholeCamera<float>& camera;
+  const Rigid<float>& T_vehicle_camera;
+
+  /// Pixel of a map point and its Jacobian by (x, y, heading). kOutOfView as project().
+  Status predict(const PlanarPose<float>& pose, const Vector3<float>& p_map, Vector2<float>& pixel,
+                 Matrix<float, 2, 3>& jacobian) const;
+};
+
+struct PlanarPoseOptions {
+  static constexpr int kMaxSightings = 48;
+  float gate = 9.21F;      ///< of a sighting, by what a hypothesis leaves unknown (99 %)
+  float inlier_px = 4.0F;  ///< largest reprojection error at the end
+  int min_support = 5;
+};
+
+/// Pose of a vehicle from sightings of which many may be wrong, near a prior: 1-point RANSAC over
+/// all of them (Civera et al. 2010) with the three states of a vehicle on a floor, so that five
+/// sightings tell what a free camera needs more for. Each sighting in turn corrects the prior,
+/// those that agree within what is then left unknown support it, and the best supported pose is
+/// refined by Gauss-Newton with the prior.
+///
+/// kInvalidArgument: count outside [0, kMaxSightings]; kSingular: covariance not positive definite;
+/// kNoConsensus: fewer than min_support sightings within inlier_px. `pose`, `support` unchanged on
+/// an error. Cost: count hypotheses of count projections each, about 250 operations a projection.
+Status find_planar_pose(const PlanarView& view, const PlanarPrior& prior,
+                        const PlanarSighting* sightings, int count,
+                        const PlanarPoseOptions& options, PlanarPose<float>& pose, int& support);
+
+}  // namespace cairn
