@@ -96,6 +96,7 @@ class FrameTracker {
     float map_drift = 0.03F;         ///< of the library's error along the way, m per sqrt(m)
     int relocalise_after = 5;        ///< weak frames
     int map_anew_after = 8;          ///< looks at a place not recognised, until it is mapped anew
+    int whole_library_every = 3;     ///< looks: the others compare what odometry lets expect
     int expected_in_view = 8;  ///< landmarks that make it a known place, by odometry: it is looked
     int known_patience = 2;    ///< at so many times longer
     typename Places::Parameters places;
@@ -247,6 +248,7 @@ class FrameTracker {
     return looks_for_place() && (place_found_ || (!places_.working() && !captured_));
   }
   void refuse_place();
+  void note_unrecognised(const Library& library);
   bool plausible(const Rigid<float>& T_map_camera) const;
   bool in_known_place(const Library& library);
   bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
@@ -309,6 +311,7 @@ class FrameTracker {
   Rigid<float> T_world_camera_captured_;
   PlanarPrior prior_captured_;  ///< in the library's coordinates
   bool looked_near_ = false;
+  int looks_ = 0;             ///< at the place, since tracking was lost
   bool captured_ = false;     ///< by the last frame that looked for its place
   bool place_found_ = false;  ///< to be verified in the next frame
   bool has_library_ = false;  ///< something to look a place up in

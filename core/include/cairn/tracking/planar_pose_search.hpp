@@ -39,11 +39,11 @@ struct PlanarPoseOptions {
   static constexpr int kMaxSightings = 48;
   float gate = 9.21F;      ///< of a sighting, by what a hypothesis leaves unknown (99 %)
   float inlier_px = 4.0F;  ///< largest reprojection error at the end
-  int min_support = 5;
+  int min_support = 4;
 };
 
 /// Pose of a vehicle from sightings of which many may be wrong, near a prior: 1-point RANSAC over
-/// all of them (Civera et al. 2010) with the three states of a vehicle on a floor, so that five
+/// all of them (Civera et al. 2010) with the three states of a vehicle on a floor, so that four
 /// sightings tell what a free camera needs more for. Each sighting in turn corrects the prior,
 /// those that agree within what is then left unknown support it, and the best supported pose is
 /// refined by Gauss-Newton with the prior.

@@ -232,9 +232,9 @@ bool Relocaliser<Config>::look_near(const PlanarView& view, const PlanarPrior& p
   auto& near = *new (&scratch.near) typename Scratch::Near();
   VisibilityOptions<float> options;
   options.margin_px = -kBeyondImage_px;
-  options.min_cosine = 0.8F;
-  options.min_scale = 0.7F;
-  options.max_scale = 1.5F;
+  options.min_cosine = 0.7F;
+  options.min_scale = 0.5F;
+  options.max_scale = 2.2F;
   const Rigid<float> T_map_vehicle = on_floor(prior.pose);
   const int count = find_visible(library, view.camera, T_map_vehicle * view.T_vehicle_camera,
                                  options, Span<LandmarkId>{}, near.visible, kMaxNear);

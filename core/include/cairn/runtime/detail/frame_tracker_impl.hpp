@@ -44,6 +44,7 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   has_library_ = false;
   captured_ = false;
   place_found_ = false;
+  looks_ = 0;
   work_limit_ = parameters.work_limit;
   frames_without_mapping_ = 0;
   patience_ = parameters.map_anew_after;
@@ -210,6 +211,7 @@ void FrameTracker<Config, Filter>::keep_map(const ImageView& image, Map& map, Fr
     remove_landmarks(map, report);
     places_.reset();
     place_found_ = false;
+    looks_ = 0;
     unrecognised_ = 0;
   } else if (can_recognise && looks_for_place()) {
     pool_.clear();

@@ -188,19 +188,25 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     looked_near_ = true;
     place_found_ = places_.look_near({camera_, T_vehicle_camera_}, prior_captured_, library,
                                      parameters_.places, scratch_.places);
+    if (place_found_ || ++looks_ % parameters_.whole_library_every == 0) return;
+    places_.reset();
+    note_unrecognised(library);
     return;
   }
   if (!take(Places::step_work(parameters_.places))) return;
   const Outcome outcome =
       places_.step(camera_, library, parameters_.places, random_, scratch_.places);
-  if (outcome == Outcome::kFailed) {
-    ++unrecognised_;
-    patience_ =
-        parameters_.map_anew_after * (in_known_place(library) ? parameters_.known_patience : 1);
-  }
+  if (outcome == Outcome::kFailed) note_unrecognised(library);
   if (outcome != Outcome::kFound) return;
   place_found_ = plausible(places_.T_map_camera());
   if (!place_found_) refuse_place();
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::note_unrecognised(const Library& library) {
+  ++unrecognised_;
+  patience_ =
+      parameters_.map_anew_after * (in_known_place(library) ? parameters_.known_patience : 1);
 }
 
 /// The camera shows a place of the map where the vehicle cannot be: nothing to map there.
