@@ -165,6 +165,9 @@ const std::vector<NamedStressScene>& named_stress_scenes() {
        "matches of which no two agree"},
       {"scene-cut", "attack=4 attack_from=40 attack_every=2 frames=60",
        "every landmark replaced at once"},
+      {"lost-full-library",
+       "density=70 step_mm=120 attack=4 attack_from=400 attack_seed=7 frames=440",
+       "a full library looked through for a place that it does not hold"},
       {"bred-vehicle",
        "seed=268363 frames=46 density=39 contrast=92 along=1 step_mm=40 depth_mm=3019 "
        "turn_after=60 period_us=43943 noise=3 attack=1 attack_size=16 attack_seed=336178 "

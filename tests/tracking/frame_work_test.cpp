@@ -145,6 +145,13 @@ TEST_F(VehicleWithAWorkLimit, GoesOnMappingUnderATightLimit) {
   EXPECT_LT(position_error(), 0.1);
 }
 
+TEST(WorkLimit, FollowsFromTicksLeft) {
+  static_assert(work_limit_for(24000000, 1500) == 16000, "ticks / ticks per unit");
+  EXPECT_EQ(work_limit_for(1499, 1500), 0);
+  EXPECT_EQ(work_limit_for(0xFFFFFFFFU, 1), 1000000);
+  EXPECT_EQ(work_limit_for(24000000, 0), 0);
+}
+
 TEST_F(VehicleWithAWorkLimit, RefusesANegativeLimit) {
   EXPECT_EQ(tracker_->set_work_limit(-1), Status::kInvalidArgument);
   drive(1, kOwnLimit);

@@ -87,6 +87,7 @@ class FrameTracker {
     int uncertain_frames_to_lost = 60;
     float min_match_share = 0.08F;     ///< of the landmarks looked for; fewer are taken for chance
     int min_sightings_to_store = 6;    ///< of a landmark that leaves the filter
+    float min_usual_share = 0.5F;      ///< of the inliers that the last frames let expect
     float min_return_share = 0.3F;     ///< the same after two weak frames
     int min_return_matches = 6;        ///< and at least so many
     int mature_sightings = 12;         ///< from then on a landmark is also in the library
@@ -97,8 +98,8 @@ class FrameTracker {
     int relocalise_after = 5;        ///< weak frames
     int map_anew_after = 8;          ///< looks at a place not recognised, until it is mapped anew
     int whole_library_every = 3;     ///< looks: the others compare what odometry lets expect
-    int expected_in_view = 8;  ///< landmarks that make it a known place, by odometry: it is looked
-    int known_patience = 2;    ///< at so many times longer
+    int expected_in_view = 4;  ///< landmarks that make it a known place, by odometry: it is looked
+    int known_patience = 12;   ///< at so many times longer
     typename Places::Parameters places;
     int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< for want of work; then mapping gets half of a frame
@@ -180,6 +181,7 @@ class FrameTracker {
   OdometrySample steadied(const OdometrySample& sample) const;
   void keep_map(const ImageView& image, Map& map, FrameReport& report);
   void update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
+  int support_wanted(const FrameReport& report) const;
   bool consistent(const FrameReport& report) const {
     return report.inliers >= parameters_.min_inliers;
   }
@@ -295,6 +297,7 @@ class FrameTracker {
   FixedVector<LandmarkId, kMaxKeyframes> keyframes_;  ///< past positions in the filter
   int frames_since_keyframe_ = 0;
   int weak_frames_ = 0;
+  float usual_share_ = 0.0F;  ///< of the landmarks looked for, inliers of late
 
   LandmarkId map_reference_ = kNoLandmark;  ///< stands for the library's common error
   Vector3<float> map_reference_nominal_ = Vector3<float>::Zero();

@@ -64,6 +64,8 @@ class PlanarFilter {
   /// Where `slot` is expected in the image of a camera fixed to the vehicle. Landmarks with height
   /// only. Errors: kNotInitialised, kNotFound, kInvalidArgument (sigma), kOutOfView (nearer than
   /// 0.3 m, behind, or outside the image); `prediction` untouched.
+  /// What update_pixels() asks of a consensus from now on.
+  void set_ransac(const OnePointRansacParameters& ransac) { parameters_.ransac = ransac; }
   Status predict_pixel(int slot, const PinholeCamera<T>& camera, const Rigid<T>& T_vehicle_camera,
                        T sigma_px, PixelPrediction<T>& prediction) const;
 

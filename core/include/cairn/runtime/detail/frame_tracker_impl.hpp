@@ -32,6 +32,7 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   keyframes_.clear();
   frames_since_keyframe_ = parameters.keyframe_interval;
   weak_frames_ = 0;
+  usual_share_ = 0.0F;
   map_reference_ = kNoLandmark;
   next_library_slot_ = 0;
   way_m_ = 0.0F;
@@ -218,6 +219,7 @@ void FrameTracker<Config, Filter>::keep_map(const ImageView& image, Map& map, Fr
     relocalise(image, *library, map, report);
   }
   const bool anew = !can_recognise || unrecognised_ >= patience_;
+  if (anew && !known) usual_share_ = 0.0F;
   build_map(image, known || consistent(report) || anew, report);
   if (known && can_recognise) reenter_landmarks(*library, report);
   if (library != nullptr) map.exchange.release();
@@ -236,6 +238,9 @@ void FrameTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLan
     if (share < least * static_cast<float>(report.searched)) return;
     if (weak_frames_ >= 2 && matches.size() < parameters_.min_return_matches) return;
   }
+  OnePointRansacParameters ransac = parameters_.filter.ransac;
+  if (!looked_up) ransac.min_support = support_wanted(report);
+  filter_.set_ransac(ransac);
   const int found = matches.size();
   afford_update(matches, report);
   if (matches.size() < found && report.cut < FrameCut::kFewerUpdates) {
@@ -252,6 +257,16 @@ void FrameTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLan
     return;
   }
   for (const PixelMatch<float>& match : matches) report.inliers += match.inlier ? 1 : 0;
+}
+
+/// Another place of the same kind (tiles, shelves) can agree with a fifth of the map. Where far
+/// fewer landmarks agree than did of late, the camera shows something else.
+template <class Config, class Filter>
+int FrameTracker<Config, Filter>::support_wanted(const FrameReport& report) const {
+  const float usual = usual_share_ * static_cast<float>(report.searched);
+  const int wanted = round_to_int(parameters_.min_usual_share * usual);
+  const int least = parameters_.filter.ransac.min_support;
+  return wanted > least ? wanted : least;
 }
 
 /// A frame in which nothing fits together says nothing against a landmark that was not found.
@@ -291,6 +306,12 @@ void FrameTracker<Config, Filter>::judge(FrameReport& report) {
   if (report.inliers >= parameters_.min_inliers) {
     weak_frames_ = 0;
     state_ = TrackingState::kTracking;
+    constexpr float kOfLate = 0.1F;  // ten frames
+    constexpr int kTelling = 8;
+    if (report.searched >= kTelling) {
+      const float share = static_cast<float>(report.inliers) / static_cast<float>(report.searched);
+      usual_share_ += kOfLate * (share - usual_share_);
+    }
   } else if (state_ != TrackingState::kInitialising) {
     // A frame that did not look tells nothing of the map.
     if (report.cut != FrameCut::kPredictionOnly) ++weak_frames_;

@@ -166,6 +166,7 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     place_found_ = false;
     if (come_back(image, library, map, report)) {
       report.relocalised = true;
+      usual_share_ = 0.0F;  // landmarks of the time without sight are among those looked for
       ++health_.relocalisations;
     } else {
       refuse_place();
