@@ -24,6 +24,7 @@ struct Runner {
   Runner& operator=(const Runner&) = delete;
   virtual ~Runner() = default;
   virtual void cycles(int count) = 0;
+  virtual void restart() = 0;  ///< back to where it was made
 };
 
 template <class Filter>
@@ -53,7 +54,10 @@ class FilterRunner : public Runner {
       points_[k].R = noise;
     }
     increment_ = ackermann_increment<T>(T(0.02), T(0.01), T(0.1), T(0.5), T(0.05), T(0.03));
+    start_ = filter_;
   }
+
+  void restart() override { filter_ = start_; }
 
   void cycles(int count) override {
     for (int k = 0; k < count; ++k) {
@@ -68,6 +72,7 @@ class FilterRunner : public Runner {
 
  private:
   Filter filter_;
+  Filter start_;
   PointObservation<T> points_[kSeen];
   PlanarIncrement<T> increment_;
 };
