@@ -65,9 +65,11 @@ void add_options(CLI::App& command, RunOptions& options) {
                   "Variance of the start position, m^2; the start error is drawn from it")
       ->check(CLI::NonNegativeNumber);
   command
-      .add_option("--profile", options.profile,
-                  "Landmark recordings: as recorded, or with the data set's measured calibration")
-      ->check(CLI::IsMember({"plain", "calibrated"}))
+      .add_option(
+          "--profile", options.profile,
+          "Landmark recordings: as recorded; with the noise that the data set states and no "
+          "slip noise; or with the data set's measured calibration")
+      ->check(CLI::IsMember({"plain", "stated", "calibrated"}))
       ->capture_default_str();
   add_handheld_options(command, options.handheld);
   command.add_option("--camera", options.camera, "Camera file of a video source");

@@ -236,7 +236,8 @@ json recorded_summary(const Recording& recording, const RecordedRunOptions& opti
                     {"added", run.health.landmarks_added},
                     {"removed", run.health.landmarks_removed + run.health.landmarks_replaced},
                     {"rmse_m", map_known ? json(e.map_rmse_m) : json(nullptr)},
-                    {"aligned_rmse_m", map_known ? json(e.map_aligned_rmse_m) : json(nullptr)}};
+                    {"aligned_rmse_m", map_known ? json(e.map_aligned_rmse_m) : json(nullptr)},
+                    {"nees_mean", map_known ? json(e.map_nees_mean) : json(nullptr)}};
   summary["sightings"] = run.sightings;
   summary["ambiguous_sightings"] = run.ambiguous;
   summary["tentative_dropped"] = run.tentative_dropped;

@@ -9,7 +9,8 @@ namespace cairn::host {
 namespace {
 
 RecordingProfile profile_of(const RunOptions& options) {
-  return options.profile == "calibrated" ? RecordingProfile::kCalibrated : RecordingProfile::kPlain;
+  if (options.profile == "calibrated") return RecordingProfile::kCalibrated;
+  return options.profile == "stated" ? RecordingProfile::kStated : RecordingProfile::kPlain;
 }
 
 void check_options(const RunOptions& options) {
@@ -37,7 +38,8 @@ ExitCode run(const Recording& recording, const RunOptions& options) {
   if (recording.truth_has_heading) {
     fmt::print("  position RMSE {:.4f} m, aligned {:.4f} m, heading {:.4f} rad, NEES {:.2f}\n",
                e.position_rmse_m, e.aligned_rmse_m, e.heading_rmse_rad, e.nees_mean);
-    fmt::print("  map RMSE {:.4f} m, aligned {:.4f} m\n", e.map_rmse_m, e.map_aligned_rmse_m);
+    fmt::print("  map RMSE {:.4f} m, aligned {:.4f} m, landmark NEES {:.2f}\n", e.map_rmse_m,
+               e.map_aligned_rmse_m, e.map_nees_mean);
   } else {
     fmt::print("  to GPS, aligned: median {:.2f} m, 95 % {:.2f} m\n", e.aligned_median_m,
                e.aligned_p95_m);

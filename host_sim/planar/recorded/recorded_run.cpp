@@ -214,11 +214,13 @@ double root_mean(double sum, int count) {
 void map_errors(const Recording& recording, const RecordedRun& run, RecordedErrors& errors) {
   std::vector<Eigen::Vector2d> estimated;
   std::vector<Eigen::Vector2d> real;
+  double nees = 0.0;
   for (const auto& landmark : run.landmarks) {
     const auto found = recording.true_landmarks.find(static_cast<int>(landmark.id));
     if (found == recording.true_landmarks.end()) continue;
     estimated.push_back(landmark.position);
     real.push_back(found->second);
+    nees += landmark_nees({landmark.position, landmark.covariance}, found->second);
   }
   errors.map_landmarks = static_cast<int>(estimated.size());
   if (estimated.size() < 3 || !recording.known_landmarks) return;
@@ -233,6 +235,7 @@ void map_errors(const Recording& recording, const RecordedRun& run, RecordedErro
   }
   errors.map_rmse_m = root_mean(plain, errors.map_landmarks);
   errors.map_aligned_rmse_m = root_mean(aligned, errors.map_landmarks);
+  errors.map_nees_mean = nees / errors.map_landmarks;
 }
 
 }  // namespace

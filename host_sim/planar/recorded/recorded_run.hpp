@@ -83,6 +83,7 @@ struct RecordedErrors {
   int map_landmarks = 0;
   double map_rmse_m = 0.0;          ///< in the true frame
   double map_aligned_rmse_m = 0.0;  ///< after the map's own best SE(2) alignment
+  double map_nees_mean = 0.0;       ///< of the landmarks at the end, 2 degrees of freedom
 };
 RecordedErrors recorded_errors(const Recording& recording, const RecordedRun& run);
 

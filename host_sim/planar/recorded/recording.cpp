@@ -100,7 +100,6 @@ void calibrate_lost_in_the_woods(Recording& recording) {
   for (auto& scan : recording.scans) {
     for (auto& sighting : scan.sightings) sighting.bearing_rad -= kDriveAngle;
   }
-  recording.slip_density = 0.0;
   recording.note =
       "calibrated on the truth: drive axis 0.081 rad right of the heading, turn rate x 0.959, "
       "laser "
@@ -114,7 +113,9 @@ Recording read_lost_in_the_woods(const fs::path& folder, RecordingProfile profil
   recording.name = "lost-in-the-woods";
   recording.sensor_offset_m = 0.219;
   constexpr double kPeriod = 0.1;
-  recording.slip_density = kPeriod * 0.0665 * 0.0665;  // across the axle as much as along it
+  if (profile == RecordingProfile::kPlain) {
+    recording.slip_density = kPeriod * 0.0665 * 0.0665;  // across the axle as much as along it
+  }
   const Eigen::Matrix2d density =
       kPeriod * Eigen::Vector2d(0.0665 * 0.0665, 0.0905 * 0.0905).asDiagonal().toDenseMatrix();
   recording.noise.range_sigma_m = 0.03;

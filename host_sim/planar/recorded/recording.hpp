@@ -65,9 +65,10 @@ struct Recording {
   std::string note;  ///< what was assumed or changed
 };
 
-/// Measured peculiarities of a data set that a profile may correct. All zero: plain.
+/// What a profile adds to a data set's own statement of its noise.
 enum class RecordingProfile {
-  kPlain,       ///< times and values as recorded, constant noise
+  kPlain,       ///< times and values as recorded, constant noise, slip noise where it is needed
+  kStated,      ///< as kPlain with the stated noise alone: no slip noise
   kCalibrated,  ///< stamps shifted, turn rate scaled, range noise growing with range
 };
 
