@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "cairn/numeric/multiply_add.hpp"
+
 namespace cairn {
 
 /// Symmetric matrix of run-time size n <= Capacity, lower triangle packed row by row:
@@ -160,7 +162,7 @@ class PackedSymmetric {
       b += Stride;
       const T a_r[4] = {a[0], a[1], a[2], a[3]};
       const T b_r[4] = {b[0], b[1], b[2], b[3]};
-      ((sums[K] += a_r[K / 4] * b_r[K % 4]), ...);
+      (multiply_add(sums[K], a_r[K / 4], b_r[K % 4]), ...);
     }
     ((rows[K / 4][j + K % 4] -= sums[K]), ...);
   }
@@ -170,7 +172,7 @@ class PackedSymmetric {
     T* p = row(i);
     for (int j = 0; j <= i; ++j) {
       T sum = v[i] * v[j];
-      for (int r = 1; r < Rank; ++r) sum += v[r * Stride + i] * v[r * Stride + j];
+      for (int r = 1; r < Rank; ++r) multiply_add(sum, v[r * Stride + i], v[r * Stride + j]);
       p[j] -= sum;
     }
   }

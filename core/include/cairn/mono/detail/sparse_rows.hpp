@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "cairn/geometry/types.hpp"
+#include "cairn/numeric/multiply_add.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
 
 namespace cairn::mono {
@@ -50,24 +51,25 @@ struct SparseRows {
 
 namespace detail {
 
-/// sum_c h[c] * element(c), written out by the pack, so that h stays in registers.
-template <class T, int Size, class Element, int... C>
-T dot(const T (&h)[Size], const Element& element, T sum, std::integer_sequence<int, C...>) {
-  ((sum += h[C] * element(C)), ...);
-  return sum;
-}
-
-/// out[r][i] += sum_c h[r][c] * element(c).
-template <int Size, int Rows, class T, int N, class Element>
-void accumulate(const T (&h)[Rows][Size], int i, const Element& element, T (&out)[Rows][N]) {
-  constexpr auto kColumns = std::make_integer_sequence<int, Size>{};
-  for (int r = 0; r < Rows; ++r) out[r][i] = dot(h[r], element, out[r][i], kColumns);
+/// out[r][i] += sum_c h[r][c] * element(c). Every element is read once and before any result is
+/// written; written out by the pack, so that the coefficients stay in registers.
+template <int Rows, class T, int Size, int N, class Element, int... C>
+void accumulate(const T (&h)[Rows][Size], int i, const Element& element, T (&out)[Rows][N],
+                std::integer_sequence<int, C...>) {
+  const T p[Size] = {element(C)...};
+  T sums[Rows];
+  for (int r = 0; r < Rows; ++r) {
+    sums[r] = out[r][i];
+    (multiply_add(sums[r], h[r][C], p[C]), ...);
+  }
+  for (int r = 0; r < Rows; ++r) out[r][i] = sums[r];
 }
 
 /// out[r][i] += sum_c H(r, k + c) P(first + c, i) for the columns of one run.
 template <int Size, class T, int Rows, int N>
 void multiply_run(const SparseRows<T, Rows>& rows, int first, int k, const PackedSymmetric<T, N>& p,
                   T (&out)[Rows][N]) {
+  constexpr auto kColumns = std::make_integer_sequence<int, Size>{};
   T h[Rows][Size];
   for (int r = 0; r < Rows; ++r) {
     for (int c = 0; c < Size; ++c) h[r][c] = rows.h[r][k + c];
@@ -76,17 +78,17 @@ void multiply_run(const SparseRows<T, Rows>& rows, int first, int k, const Packe
   for (int i = 0; i < first; ++i) {
     // Row first + c begins first * c + c (c + 1) / 2 elements after row first.
     accumulate(
-        h, i, [&](int c) { return above[i + c * first + c * (c + 1) / 2]; }, out);
+        h, i, [&](int c) { return above[i + c * first + c * (c + 1) / 2]; }, out, kColumns);
   }
   for (int i = first; i < first + Size; ++i) {
     accumulate(
-        h, i, [&](int c) { return p(first + c, i); }, out);
+        h, i, [&](int c) { return p(first + c, i); }, out, kColumns);
   }
   if (first + Size >= p.size()) return;
   const T* below = p.row(first + Size) + first;
   for (int i = first + Size; i < p.size(); ++i) {
     accumulate(
-        h, i, [&](int c) { return below[c]; }, out);
+        h, i, [&](int c) { return below[c]; }, out, kColumns);
     below += i + 1;
   }
 }
@@ -139,8 +141,14 @@ void subtract_pending(const SparseRows<T, 2>& rows, const T (&v)[2][N], int n, T
   const T c10 = rows.dot(1, v[0]);
   const T c11 = rows.dot(1, v[1]);
   for (int i = 0; i < n; ++i) {
-    out[0][i] -= c00 * v[0][i] + c01 * v[1][i];
-    out[1][i] -= c10 * v[0][i] + c11 * v[1][i];
+    const T v0 = v[0][i];
+    const T v1 = v[1][i];
+    T first = c00 * v0;
+    T second = c10 * v0;
+    multiply_add(first, c01, v1);
+    multiply_add(second, c11, v1);
+    out[0][i] -= first;
+    out[1][i] -= second;
   }
 }
 
