@@ -62,6 +62,13 @@ class HandheldAdapter : public Tracker {
     return all;
   }
 
+  std::optional<Matrix3<double>> attitude_covariance() const override {
+    return core_->filter()
+        .pose_covariance()
+        .template bottomRightCorner<3, 3>()
+        .template cast<double>();
+  }
+
   int landmark_capacity() const override { return Core::kMaxFeatures; }
   Health health() const override { return core_->health(); }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <unistd.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -27,6 +28,15 @@ std::optional<double> nees_of(const PlanarPoseEstimate& estimate, const Rigid<do
   const double determinant = estimate.covariance.determinant();
   if (!(determinant > 0.0)) return std::nullopt;
   const double nees = error.dot(estimate.covariance.inverse() * error);
+  return std::isfinite(nees) && nees >= 0.0 ? std::optional<double>(nees) : std::nullopt;
+}
+
+std::optional<double> nees_of(const Matrix3<double>& covariance, const Rigid<double>& estimate,
+                              const Rigid<double>& truth) {
+  if (!(covariance.determinant() > 0.0)) return std::nullopt;
+  const Eigen::AngleAxisd error(Quaternion<double>(estimate.rotation.conjugate() * truth.rotation));
+  const Vector3<double> phi = error.angle() * error.axis();
+  const double nees = phi.dot(covariance.inverse() * phi);
   return std::isfinite(nees) && nees >= 0.0 ? std::optional<double>(nees) : std::nullopt;
 }
 
@@ -97,6 +107,7 @@ class FrameLoop {
     if (entry.vehicle.has_value() && frame.true_T_world_vehicle.has_value()) {
       entry.nees = nees_of(*entry.vehicle, *frame.true_T_world_vehicle);
     }
+    if (entry.has_pose() && frame.true_T_world_camera.has_value()) judge_attitude(entry);
     entry.measured = tracker_.measured();
     add_to_hash(hash_, entry.report);
     RegistrationInput registration;
@@ -106,6 +117,19 @@ class FrameLoop {
     draw(frame, entry);
     record_.frames.push_back(entry);
     progress_.show(static_cast<int>(record_.frames.size()), entry);
+  }
+
+  /// Domain: the entry has a pose and its truth.
+  void judge_attitude(FrameRecord& entry) {
+    const std::optional<Matrix3<double>> covariance = tracker_.attitude_covariance();
+    if (!covariance.has_value()) return;
+    const Rigid<double> estimate = to_double(entry.report.T_world_camera);
+    const Rigid<double>& truth = *entry.true_T_world_camera;
+    if (!T_estimate_truth_) {
+      T_estimate_truth_ = estimate * truth.inverse();
+      return;
+    }
+    entry.nees = nees_of(*covariance, estimate, *T_estimate_truth_ * truth);
   }
 
   static Rigid<double> to_double(const Rigid<float>& pose) {
@@ -140,6 +164,7 @@ class FrameLoop {
   FrameSource& source_;
   Tracker& tracker_;
   const RunnerSettings& settings_;
+  std::optional<Rigid<double>> T_estimate_truth_;  ///< between the two worlds, from the first pose
   Progress progress_;
   RunRecord record_;
   Hash64 hash_;

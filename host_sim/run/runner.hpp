@@ -21,7 +21,9 @@ struct FrameRecord {
   std::optional<Rigid<double>> true_T_world_camera;
   std::optional<Rigid<double>> true_T_world_vehicle;
   std::vector<LandmarkId> measured;
-  std::optional<double> nees;  ///< of the vehicle's planar pose, 3 degrees of freedom
+  /// 3 degrees of freedom: of the vehicle's planar pose, or of a hand-held camera's attitude
+  /// against that of the first frame with a pose.
+  std::optional<double> nees;
 
   bool has_pose() const {
     return report.state == TrackingState::kTracking || report.state == TrackingState::kUncertain;

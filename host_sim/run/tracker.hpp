@@ -52,6 +52,8 @@ class Tracker {
   virtual Health health() const = 0;
   /// Vehicle mode alone.
   virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }
+  /// Covariance of the attitude, rad^2, camera axes; of a small turn after it. Handheld mode alone.
+  virtual std::optional<Matrix3<double>> attitude_covariance() const { return std::nullopt; }
   /// Filter, mode and configuration, for the manifest.
   virtual nlohmann::json description() const = 0;
 
