@@ -73,6 +73,11 @@ std::vector<TurntableVariant> turntable_variants(const TurntableConfig& config,
     variant.parameters.fading = FadingMode::kAdaptive;
     variants.push_back(variant);
   }
+  TurntableVariant calm{"6dof, starts at rest", paper_parameters(), false};
+  calm.parameters.velocity_noise = 0.05F;
+  calm.parameters.initial_velocity_sigma_mps = 0.05F;
+  calm.parameters.sigma_px = static_cast<float>(condition.scenario.noise_px);
+  variants.push_back(calm);
   TurntableVariant ours{"rotation", paper_parameters(), false};
   ours.parameters.motion = MotionModel::kRotationOnly;
   add_with_and_without_focal(variants, ours);

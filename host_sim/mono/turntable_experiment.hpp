@@ -39,7 +39,9 @@ struct TurntableConfig {
 /// outliers.
 std::vector<TurntableCondition> turntable_conditions(TurntableExperiment experiment);
 
-/// Paper B's filter with every fading factor and with the adaptive one, and ours: rotation only (on
+/// Paper B's filter with every fading factor and with the adaptive one; six degrees of freedom that
+/// know that the camera starts at rest (velocity 0 +- 0.05 m/s, 0.05 m/s per sqrt(s)) and how noisy
+/// a pixel is; and ours: rotation only (on
 /// the axis), pivot with the lever known to 5 mm and pivot bank with the lever unknown (off it),
 /// each with and without the focal length in the state.
 std::vector<TurntableVariant> turntable_variants(const TurntableConfig& config,

@@ -66,13 +66,14 @@ void write_runs(const TurntableConfig& config, const std::vector<TurntableCell>&
 void write_frames(const std::vector<TurntableCell>& cells, const std::filesystem::path& path) {
   std::ofstream file(path);
   file << "condition,variant,t_s,true_yaw_deg,yaw_error_deg,pitch_error_deg,attitude_error_deg,"
-          "nees,features,inliers,fading\n";
+          "nees,nis,nis_dof,features,inliers,fading\n";
   for (const TurntableCell& cell : cells) {
     for (const PointsFrame& f : cell.runs.front().frames) {
-      file << fmt::format("\"{}\",\"{}\",{:.3f},{:.4f},{:.5f},{:.5f},{:.5f},{:.4f},{},{},{:.4f}\n",
-                          cell.condition, cell.variant, f.t_s, f.true_yaw_deg, f.yaw_error_deg,
-                          f.pitch_error_deg, f.attitude_error_deg, f.attitude_nees, f.features,
-                          f.inliers, f.fading_factor);
+      file << fmt::format(
+          "\"{}\",\"{}\",{:.3f},{:.4f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{},{},{},{:.4f}\n",
+          cell.condition, cell.variant, f.t_s, f.true_yaw_deg, f.yaw_error_deg, f.pitch_error_deg,
+          f.attitude_error_deg, f.attitude_nees, f.nis, f.nis_dof, f.features, f.inliers,
+          f.fading_factor);
     }
   }
 }
@@ -94,17 +95,21 @@ void write_turntable(const TurntableConfig& config, const std::vector<TurntableC
 
 std::string turntable_table(const std::vector<TurntableCell>& cells) {
   std::string table =
-      "| condition | filter | yaw max, median | worst | mean | MSE | NEES (3) | mirrored | lost |\n"
-      "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+      "| condition | filter | yaw max, median | worst | mean | MSE | attitude | NEES (3) | NIS a "
+      "dof "
+      "| mirrored | lost |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
   for (const TurntableCell& cell : cells) {
-    table += fmt::format("| {} | {} | {:.2f} | {:.2f} | {:.3f} | {:.4f} | {:.1f} | {} | {} |\n",
-                         cell.condition, cell.variant,
-                         median_of(cell.runs, &PointsResult::max_yaw_error_deg),
-                         worst_of(cell.runs, &PointsResult::max_yaw_error_deg),
-                         median_of(cell.runs, &PointsResult::mean_yaw_error_deg),
-                         median_of(cell.runs, &PointsResult::mse_yaw_error_deg2),
-                         median_of(cell.runs, &PointsResult::mean_nees), count_mirrored(cell.runs),
-                         count_lost(cell.runs));
+    table += fmt::format(
+        "| {} | {} | {:.3f} | {:.3f} | {:.3f} | {:.4f} | {:.3f} | {:.1f} | {:.2f} | {} | {} |\n",
+        cell.condition, cell.variant, median_of(cell.runs, &PointsResult::max_yaw_error_deg),
+        worst_of(cell.runs, &PointsResult::max_yaw_error_deg),
+        median_of(cell.runs, &PointsResult::mean_yaw_error_deg),
+        median_of(cell.runs, &PointsResult::mse_yaw_error_deg2),
+        median_of(cell.runs, &PointsResult::mean_attitude_error_deg),
+        median_of(cell.runs, &PointsResult::mean_nees),
+        median_of(cell.runs, &PointsResult::mean_nis), count_mirrored(cell.runs),
+        count_lost(cell.runs));
   }
   return table;
 }

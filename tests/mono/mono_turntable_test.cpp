@@ -102,6 +102,15 @@ TEST(Turntable, ShortExperiments) {
   EXPECT_LE(host::median_of(rest, &PointsResult::mean_attitude_error_deg), 0.1);
 }
 
+TEST(Turntable, SixDegreesOfFreedomAtRestWhenTheStartIsKnownToBeAtRest) {
+  MonoParameters<float> parameters;
+  parameters.sigma_px = 0.5F;  // the simulation's noise
+  parameters.velocity_noise = parameters.initial_velocity_sigma_mps = 0.05F;
+  const PointsScenario scenario = scenario_of(TurntableExperiment::kStatic, false);
+  const auto results = run(scenario, parameters, 20);
+  EXPECT_LE(host::median_of(results, &PointsResult::mean_attitude_error_deg), 0.1);
+}
+
 TEST(Turntable, OutliersDoNotLoseTheFilter) {
   PointsScenario scenario = scenario_of(TurntableExperiment::kYaw70, false);
   for (const double share : {0.25, 0.5}) {
