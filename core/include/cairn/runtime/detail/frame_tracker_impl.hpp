@@ -260,11 +260,16 @@ void FrameTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLan
 }
 
 /// Another place of the same kind (tiles, shelves) can agree with a fifth of the map. Where far
-/// fewer landmarks agree than did of late, the camera shows something else.
+/// fewer landmarks agree than did of late, and not nearly all of those found, the camera shows
+/// something else.
 template <class Config, class Filter>
 int FrameTracker<Config, Filter>::support_wanted(const FrameReport& report) const {
   const float usual = usual_share_ * static_cast<float>(report.searched);
-  const int wanted = round_to_int(parameters_.min_usual_share * usual);
+  const int of_usual = round_to_int(parameters_.min_usual_share * usual);
+  constexpr float kNearlyAll = 0.8F;
+  const int of_found = round_to_int(kNearlyAll * static_cast<float>(report.matches));
+  const int nearly_all = of_found > parameters_.min_inliers ? of_found : parameters_.min_inliers;
+  const int wanted = of_usual < nearly_all ? of_usual : nearly_all;
   const int least = parameters_.filter.ransac.min_support;
   return wanted > least ? wanted : least;
 }
