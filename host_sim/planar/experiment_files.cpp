@@ -220,14 +220,14 @@ std::string experiment_table(const ExperimentResult& result) {
   std::string table = fmt::format(
       "{} runs, start variance {:g} m^2 and {:g} rad^2, odometry {:g} m/s and {:.3g} deg\n"
       "average NEES of (x, y, heading), 95 % band [{:.2f}, {:.2f}]\n"
-      "{:<14} {:>4} {:>9} {:>9} {:>10} {:>12} {:>14} {:>11} {:>10}\n",
+      "{:<20} {:>4} {:>9} {:>9} {:>10} {:>12} {:>14} {:>11} {:>10}\n",
       result.runs_done, s.position_variance_m2, s.heading_variance_rad2, s.speed_sigma_mps,
       s.steering_sigma_rad * 180.0 / kPi<double>, band.low, band.high, "filter", "loop", "NEES",
       "inside %", "position m", "heading rad", "landmark NEES", "predict us", "update us");
   for (const auto& sums : result.filters) {
     for (int loop = 0; loop < s.loops; ++loop) {
       const LoopFigures f = loop_figures(result, sums, loop);
-      table += fmt::format("{:<14} {:>4} {:>9.3f} {:>9.1f} {:>10.4f} {:>12.5f} {:>14.3f}",
+      table += fmt::format("{:<20} {:>4} {:>9.3f} {:>9.1f} {:>10.4f} {:>12.5f} {:>14.3f}",
                            loop == 0 ? sums.filter : "", loop + 1, f.nees_mean, f.inside_percent,
                            f.position_rmse_m, f.heading_rmse_rad, f.landmark_nees_mean);
       if (loop == 0) {
