@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Runs one handheld source with nine settings that should not matter (least corner score 20, 25 and 30,
-times first frame 0, 2 and 4 later) and prints median and worst errors: a single run of a monocular filter
+times first frame 0, 2 and 4 later, or as given) and prints median and worst errors: a single run of a monocular filter
 says little, because a small change of the input may change its path.
 
   ensemble.py SOURCE --first 150 --out DIR [options of cairn_sim run]
@@ -28,11 +28,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("source")
     parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--later", type=lambda text: [int(n) for n in text.split(",")], default=[0, 2, 4],
+                        help="first frames, counted from --first: 0,2,4")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--program", type=Path, default=ROOT / "build/host/bin/cairn_sim")
     parser.add_argument("--jobs", type=int, default=2)
     args, rest = parser.parse_known_args()
-    settings = list(itertools.product((20, 25, 30), (0, 2, 4)))
+    settings = list(itertools.product((20, 25, 30), args.later))
     with ThreadPoolExecutor(args.jobs) as pool:
         runs = list(pool.map(lambda setting: run(args, rest, *setting), settings))
     for (score, later), summary in zip(settings, runs):

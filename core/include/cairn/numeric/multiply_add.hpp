@@ -9,8 +9,8 @@ inline void multiply_add(T& sum, T a, T b) {
 }
 
 // One instruction where the core has a vmla that costs no more than a vmul (Cortex-M7; on M4 and
-// M33 it takes three cycles). It rounds the product, so results are equal to the bit; GCC writes it
-// for no source, because it prefers the fused vfma, which -ffp-contract=off forbids.
+// M33 it takes three cycles). It rounds the product, so results are equal to the bit. GCC 12 does
+// not write it by itself.
 #if defined(__ARM_ARCH_7EM__) && defined(__ARM_FP) && (__ARM_FP & 8)
 inline void multiply_add(float& sum, float a, float b) {
   __asm__("vmla.f32 %0, %1, %2" : "+t"(sum) : "t"(a), "t"(b));
