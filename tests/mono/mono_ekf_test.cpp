@@ -40,6 +40,24 @@ TYPED_TEST(MonoEkfContract, RefusesImpossibleConfiguration) {
   EXPECT_EQ(filter.initialise(camera, {}), Status::kOk);
 }
 
+TYPED_TEST(MonoEkfContract, MotionNoiseCanBeChangedOnTheWay) {
+  using T = TypeParam;
+  MonoEkf<T, 8> filter;
+  ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), {})));
+  EXPECT_EQ(filter.set_motion_noise(T(-1), T(1)), Status::kInvalidArgument);
+  EXPECT_EQ(filter.set_motion_noise(T(1), std::numeric_limits<T>::quiet_NaN()),
+            Status::kNonFiniteInput);
+  EXPECT_EQ(filter.parameters().velocity_noise, MonoParameters<T>().velocity_noise);
+  MonoEkf<T, 8> calm = filter;
+  ASSERT_EQ(calm.set_motion_noise(T(0.1), T(0.1)), Status::kOk);
+  ASSERT_TRUE(ok(filter.predict(T(0.1))));
+  ASSERT_TRUE(ok(calm.predict(T(0.1))));
+  ASSERT_TRUE(ok(filter.predict(T(0.1))));
+  ASSERT_TRUE(ok(calm.predict(T(0.1))));
+  EXPECT_LT(calm.pose_covariance()(0, 0), filter.pose_covariance()(0, 0));
+  EXPECT_LT(calm.pose_covariance()(3, 3), filter.pose_covariance()(3, 3));
+}
+
 TYPED_TEST(MonoEkfContract, RestartsAtAPose) {
   using T = TypeParam;
   using Filter = MonoEkf<TypeParam, 24>;

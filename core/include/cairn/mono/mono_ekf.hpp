@@ -83,6 +83,10 @@ class MonoEkf {
   /// Parameters::max_step_s), kNonFiniteInput. Cost: O(n), with fading O(n^2 / 2).
   Status predict(T dt_s);
 
+  /// Motion noise from the next prediction on (MonoParameters::velocity_noise and rate_noise).
+  /// kNonFiniteInput, kInvalidArgument (negative): unchanged.
+  Status set_motion_noise(T velocity_noise, T rate_noise);
+
   int feature_count() const { return feature_count_; }
   int anchor_count() const { return anchor_count_; }
   int state_size() const { return covariance_.size(); }
@@ -259,6 +263,7 @@ class MonoEkf {
 }  // namespace cairn
 
 #include "cairn/mono/detail/mono_ekf_features_impl.hpp"
+#include "cairn/mono/detail/mono_ekf_map_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_measure_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_predict_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_update_impl.hpp"

@@ -52,6 +52,12 @@ class HandheldTracker {
     int start_block_frames = 15;
     float start_misfit = 1.3F;
     int max_restarts = 5;
+    /// Motion noise over the first frames of the first start (at most those on trial): while
+    /// rotation and translation look alike, a filter that expects fast motion settles in a wrong
+    /// solution.
+    int calm_frames = 30;
+    float calm_velocity_noise = 0.14F;
+    float calm_rate_noise = 0.35F;
     std::int64_t max_step_us = 500000;  ///< a longer gap is not integrated
     std::uint64_t seed = 1;
   };

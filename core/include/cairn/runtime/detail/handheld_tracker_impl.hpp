@@ -50,6 +50,12 @@ Status HandheldTracker<Config>::predict(std::int64_t t_us) {
     step_us = parameters_.max_step_us;
     status = Status::kTimeGap;
   }
+  const Parameters& p = parameters_;
+  const bool calm = start_.restarts == 0 && start_.frames < p.calm_frames;
+  const Status set =
+      filter_.set_motion_noise(calm ? p.calm_velocity_noise : p.filter.velocity_noise,
+                               calm ? p.calm_rate_noise : p.filter.rate_noise);
+  if (!ok(set)) return set;
   const Status predicted = filter_.predict(static_cast<float>(step_us) * 1e-6F);
   return ok(predicted) ? status : predicted;
 }
