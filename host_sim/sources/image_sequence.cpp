@@ -39,9 +39,8 @@ class ImageSequence final : public FrameSource {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<SequenceFrame> frames,
-                                                 const FrameRange& range,
-                                                 const std::filesystem::path& where) {
+void keep_range(const FrameRange& range, const std::filesystem::path& where,
+                std::vector<SequenceFrame>& frames) {
   const auto before_range = [&](const SequenceFrame& frame) {
     return range.first.has_value() && frame.known.number < *range.first;
   };
@@ -54,7 +53,18 @@ std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<Se
     frames.erase(frames.begin() + *range.count, frames.end());
   }
   frames.front().known.odometry.clear();
+}
+
+std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info,
+                                                 std::vector<SequenceFrame> frames) {
   return std::make_unique<ImageSequence>(std::move(info), std::move(frames));
+}
+
+std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<SequenceFrame> frames,
+                                                 const FrameRange& range,
+                                                 const std::filesystem::path& where) {
+  keep_range(range, where, frames);
+  return make_image_sequence(std::move(info), std::move(frames));
 }
 
 }  // namespace cairn::host

@@ -20,8 +20,16 @@ struct SequenceFrame {
   Frame known;  ///< everything but the picture
 };
 
-/// Frames from picture files. `info.frame_count` and `info.inputs` are completed from `frames`.
-/// Throws InputError naming `where` when the range leaves nothing.
+/// Leaves the frames of the range. Throws InputError naming `where` when there are none.
+void keep_range(const FrameRange& range, const std::filesystem::path& where,
+                std::vector<SequenceFrame>& frames);
+
+/// Frames from picture files, all of `frames`. `info.frame_count` and `info.inputs` are completed
+/// from `frames`.
+std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info,
+                                                 std::vector<SequenceFrame> frames);
+
+/// The same for a range of them; errors as keep_range().
 std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<SequenceFrame> frames,
                                                  const FrameRange& range,
                                                  const std::filesystem::path& where);

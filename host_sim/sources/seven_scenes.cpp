@@ -1,9 +1,12 @@
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "host_sim/io/image_file.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
+#include "host_sim/sources/scene_tracks.hpp"
 
 namespace cairn::host {
 
@@ -33,7 +36,10 @@ std::unique_ptr<FrameSource> make_seven_scenes_source(const std::filesystem::pat
     info.inputs.push_back(pose);
     frames.push_back(std::move(frame));
   }
-  return make_image_sequence(std::move(info), std::move(frames), range, folder);
+  keep_range(range, folder, frames);
+  const int points = add_scene_tracks(info.camera, SceneTrackSettings{}, frames);
+  info.note += fmt::format("; {} scene points triangulated with the reference poses", points);
+  return make_image_sequence(std::move(info), std::move(frames));
 }
 
 }  // namespace cairn::host
