@@ -24,6 +24,10 @@ Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
   next_id_ = 1;
   weak_frames_ = 0;
   start_ = StartTrial{};
+  probation_ = 0;
+  library_.clear();
+  library_health_ = Health{};
+  places_.reset();
   return Status::kOk;
 }
 
@@ -69,11 +73,27 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   report.t_us = t_us;
   const std::uint32_t start = ticks.now();
   supply_.begin(image.width, image.height);
-  const std::uint32_t prepared = ticks.now();
-
-  report.status = predict(t_us);
+  report.stage_ticks[static_cast<int>(Stage::kPreprocess)] = ticks.now() - start;
+  if (state_ == TrackingState::kLost) {
+    const std::uint32_t prepared = ticks.now();
+    report.status = Status::kLost;
+    look_up(image, report);
+    report.stage_ticks[static_cast<int>(Stage::kFeatures)] = ticks.now() - prepared;
+  } else {
+    track(image, t_us, ticks, report);
+  }
   last_t_us_ = t_us;
   has_frame_ = true;
+  report.T_world_camera = filter_.T_world_camera();
+  report.landmarks = filter_.feature_count();
+  return report.status;
+}
+
+template <class Config>
+void HandheldTracker<Config>::track(const ImageView& image, std::int64_t t_us,
+                                    const TickSource& ticks, FrameReport& report) {
+  const std::uint32_t start = ticks.now();
+  report.status = predict(t_us);
   const std::uint32_t predicted = ticks.now();
 
   FixedVector<PixelMatch<float>, kMaxFeatures> matches;
@@ -90,36 +110,51 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   const std::uint32_t searched = ticks.now();
 
   update(matches, report);
-  remove_features(report);
-  add_features(image, report);
   judge(report);
+  if (weak_frames_ == 0) {
+    archive(matches);
+    remove_features(report);
+  }
+  const bool lost = state_ == TrackingState::kLost;
+  if (!lost && weak_frames_ < parameters_.weak_births) add_features(image, report);
   watch_start(report);
-  report.T_world_camera = filter_.T_world_camera();
-  report.landmarks = filter_.feature_count();
   const std::uint32_t updated = ticks.now();
-
-  report.stage_ticks[static_cast<int>(Stage::kPreprocess)] = prepared - start;
-  report.stage_ticks[static_cast<int>(Stage::kPosePrediction)] = predicted - prepared;
+  report.stage_ticks[static_cast<int>(Stage::kPosePrediction)] = predicted - start;
   report.stage_ticks[static_cast<int>(Stage::kFeatures)] = searched - predicted;
   report.stage_ticks[static_cast<int>(Stage::kPoseUpdate)] = updated - searched;
-  return report.status;
 }
 
+/// After blind frames the windows have grown, and a few landmarks are found by chance.
+template <class Config>
+bool HandheldTracker<Config>::plausible(const FrameReport& report) const {
+  if (weak_frames_ < 2) return true;
+  const float least = parameters_.min_return_share * static_cast<float>(report.searched);
+  return report.matches >= parameters_.min_inliers && static_cast<float>(report.matches) >= least;
+}
+
+/// A frame in which too little fits together says nothing against a landmark that was not found.
 template <class Config>
 void HandheldTracker<Config>::update(FixedVector<PixelMatch<float>, kMaxFeatures>& matches,
                                      FrameReport& report) {
-  const Status status = filter_.update(matches.data(), matches.size(), random_, report.update);
-  if (!ok(status)) {
-    if (!matches.empty() && ok(report.status)) report.status = status;
+  const int used = plausible(report) ? matches.size() : 0;
+  const Status status = filter_.update(matches.data(), used, random_, report.update);
+  if (!ok(status) && used > 0 && ok(report.status)) report.status = status;
+  for (int i = 0; i < used; ++i) report.inliers += ok(status) && matches[i].inlier ? 1 : 0;
+  if (report.inliers < parameters_.min_inliers && state_ != TrackingState::kInitialising) {
+    for (TrackedLandmark& landmark : table_) {
+      if (!landmark.searched) continue;
+      --landmark.predicted;
+      --landmark.misses;
+    }
     return;
   }
-  for (const PixelMatch<float>& match : matches) {
-    if (!match.inlier) continue;
-    ++report.inliers;
-    TrackedLandmark* landmark = table_.find(match.id);
+  for (int i = 0; i < used; ++i) {
+    if (!matches[i].inlier) continue;
+    TrackedLandmark* landmark = table_.find(matches[i].id);
     if (landmark == nullptr) continue;
     ++landmark->measured;
     landmark->misses = 0;
+    report.from_library += landmark->from_library ? 1 : 0;
   }
 }
 
@@ -127,12 +162,15 @@ template <class Config>
 void HandheldTracker<Config>::remove_features(FrameReport& report) {
   for (int slot = filter_.feature_count() - 1; slot >= 0; --slot) {
     const LandmarkId id = filter_.feature_id(slot);
-    const TrackedLandmark* landmark = table_.find(id);
+    TrackedLandmark* landmark = table_.find(id);
     const bool unknown = landmark == nullptr;
     const bool poor =
         !unknown && landmark->predicted >= 5 && 2 * landmark->measured < landmark->predicted;
     const bool gone = !unknown && (landmark->frames_out_of_view > 10 || landmark->misses > 10);
     if (!unknown && !poor && !gone) continue;
+    if (gone && start_is_over() && landmark->measured >= parameters_.min_sightings_to_store) {
+      store(slot, *landmark, shared_depth_variance());
+    }
     if (!ok(filter_.remove_feature(slot))) continue;
     table_.remove(id);
     ++report.removed;
@@ -182,12 +220,13 @@ template <class Config>
 void HandheldTracker<Config>::judge(FrameReport& report) {
   if (report.inliers >= parameters_.min_inliers) {
     weak_frames_ = 0;
-    state_ = TrackingState::kTracking;
+    if (probation_ > 0) --probation_;
+    state_ = probation_ > 0 ? TrackingState::kUncertain : TrackingState::kTracking;
   } else if (state_ != TrackingState::kInitialising) {
     ++weak_frames_;
-    const bool lost = weak_frames_ > parameters_.uncertain_frames_to_lost;
-    if (lost && state_ != TrackingState::kLost) ++health_.losses;
-    state_ = lost ? TrackingState::kLost : TrackingState::kUncertain;
+    state_ = TrackingState::kUncertain;
+    // A place found that cannot be followed was none.
+    if (probation_ > 0 || weak_frames_ > parameters_.uncertain_frames_to_lost) lose(report);
   }
   if (report.searched > 0 && report.matches < parameters_.min_inliers) {
     ++health_.low_texture_frames;
@@ -195,6 +234,20 @@ void HandheldTracker<Config>::judge(FrameReport& report) {
   }
   if (state_ == TrackingState::kLost) report.status = Status::kLost;
   report.state = state_;
+}
+
+template <class Config>
+void HandheldTracker<Config>::lose(FrameReport& report) {
+  if (probation_ > 0) {
+    ++health_.false_relocalisations_refused;
+  } else {
+    ++health_.losses;
+  }
+  probation_ = 0;
+  state_ = TrackingState::kLost;
+  report.state = state_;
+  report.status = Status::kLost;
+  places_.reset();
 }
 
 /// A match that was refused counts with the gate, so that refusing them does not hide a misfit.
@@ -281,6 +334,8 @@ void HandheldTracker<Config>::hash(Hash64& hash) const {
   hash.add(static_cast<std::uint8_t>(state_));
   hash.add(health_.landmarks_added);
   hash.add(health_.landmarks_removed);
+  hash.add(static_cast<std::int32_t>(library_.size()));
+  hash.add(library_.revision());
   for (const TrackedLandmark& landmark : table_) {
     hash.add(landmark.id);
     hash.add_bytes(landmark.appearance.descriptor.bytes, Descriptor::kBytes);
