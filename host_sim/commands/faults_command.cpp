@@ -5,15 +5,20 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
+#include <string>
 #include <unistd.h>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/os.h>
 #include <nlohmann/json.hpp>
 
+#include "host_sim/faults/cut.hpp"
 #include "host_sim/faults/kidnap.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/run/build_info.hpp"
+#include "host_sim/sources/data_sets.hpp"
 
 namespace cairn::host {
 namespace {
@@ -23,6 +28,10 @@ constexpr double kThreeSigmaDof3 = 14.156;  // chi-square, 99.73 %
 
 struct FaultsOptions {
   KidnapSettings kidnap;
+  CutSettings cut;
+  std::string source;         ///< empty: the built-in hall
+  std::optional<int> trials;  ///< of each kind and length
+  std::vector<int> lengths;
   std::filesystem::path out;
 };
 
@@ -79,7 +88,91 @@ void write_trials(const std::filesystem::path& folder, const std::vector<KidnapT
   }
 }
 
-ExitCode run(const FaultsOptions& options, const std::string& command_line) {
+nlohmann::json summarise(const std::vector<CutTrial>& trials, bool black, int length) {
+  constexpr double kFalse_m = 0.3;
+  int count = 0, in_time = 0, wrong = 0, silent = 0;
+  std::vector<double> errors, undisturbed;
+  for (const CutTrial& trial : trials) {
+    if (trial.black != black || trial.length != length) continue;
+    ++count;
+    in_time += trial.frames_to_recovery >= 0 && trial.frames_to_recovery <= 2 * kFramesPerSecond;
+    wrong += trial.tracking && trial.error_m > kFalse_m ? 1 : 0;
+    silent += trial.said_lost ? 0 : 1;
+    if (!trial.tracking) continue;
+    errors.push_back(trial.error_m);
+    undisturbed.push_back(trial.undisturbed_error_m);
+  }
+  const auto median = [](std::vector<double>& v) {
+    if (v.empty()) return nlohmann::json(nullptr);
+    std::sort(v.begin(), v.end());
+    return nlohmann::json(v[v.size() / 2]);
+  };
+  return {{"kind", black ? "black" : "cut"},
+          {"frames_blind", length},
+          {"trials", count},
+          {"recovered_in_2_s", in_time},
+          {"false_recoveries", wrong},
+          {"loss_not_reported", silent},
+          {"median_error_m", median(errors)},
+          {"median_undisturbed_error_m", median(undisturbed)}};
+}
+
+void write_trials(const std::filesystem::path& folder, const std::vector<CutTrial>& trials) {
+  auto file = fmt::output_file((folder / "cut.csv").string());
+  file.print(
+      "kind,frames_blind,start,library,said_lost,frames_to_recovery,tracking,error_m,"
+      "undisturbed_error_m\n");
+  for (const CutTrial& t : trials) {
+    file.print("{},{},{},{},{},{},{},{:.4f},{:.4f}\n", t.black ? "black" : "cut", t.length, t.start,
+               t.library, t.said_lost ? 1 : 0, t.frames_to_recovery, t.tracking ? 1 : 0, t.error_m,
+               t.undisturbed_error_m);
+  }
+}
+
+/// Hand-held trials on a recording. They hold where no recovery is false and every loss is said:
+/// how many come back depends on whether the camera returns to what it has mapped.
+ExitCode run_cut(const FaultsOptions& options, const std::string& command_line) {
+  constexpr const char* kSevenScenes = "seven-scenes:";
+  if (options.source.rfind(kSevenScenes, 0) != 0) {
+    throw UsageError("--source: expected seven-scenes:DIR");
+  }
+  CutSettings settings = options.cut;
+  settings.seed = options.kidnap.seed;
+  if (options.trials.has_value()) settings.trials = *options.trials;
+  if (!options.lengths.empty()) settings.lengths = options.lengths;
+  const auto source =
+      make_seven_scenes_source(options.source.substr(std::string(kSevenScenes).size()), {});
+  std::filesystem::create_directories(options.out);
+  const std::vector<CutTrial> trials = run_cut_trials(*source, settings, [](int, int) {});
+  write_trials(options.out, trials);
+  nlohmann::json summary = {{"command", command_line},
+                            {"seed", settings.seed},
+                            {"version", build_info().version},
+                            {"cut", nlohmann::json::array()}};
+  bool holds = true;
+  fmt::print("{:<8} {:>6} {:>7} {:>12} {:>6} {:>18} {:>15} {:>15}\n", "kind", "blind", "trials",
+             "back in 2 s", "false", "loss not reported", "median error m", "undisturbed m");
+  for (const bool black : {false, true}) {
+    for (const int length : settings.lengths) {
+      const nlohmann::json row = summarise(trials, black, length);
+      holds = holds && row["false_recoveries"] == 0 && row["loss_not_reported"] == 0;
+      fmt::print("{:<8} {:>6} {:>7} {:>12} {:>6} {:>18} {:>15} {:>15}\n",
+                 row["kind"].get<std::string>(), length, row["trials"].get<int>(),
+                 row["recovered_in_2_s"].get<int>(), row["false_recoveries"].get<int>(),
+                 row["loss_not_reported"].get<int>(), row["median_error_m"].dump().substr(0, 6),
+                 row["median_undisturbed_error_m"].dump().substr(0, 6));
+      summary["cut"].push_back(row);
+    }
+  }
+  summary["holds"] = holds;
+  std::ofstream(options.out / "summary.json") << summary.dump(2) << '\n';
+  fmt::print("results in {}\n", options.out.string());
+  return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
+}
+
+ExitCode run_kidnapped(FaultsOptions options, const std::string& command_line) {
+  if (options.trials.has_value()) options.kidnap.trials = *options.trials;
+  if (!options.lengths.empty()) options.kidnap.lengths = options.lengths;
   if (options.kidnap.last_frame < options.kidnap.first_frame) {
     throw UsageError("--last-frame lies before --first-frame");
   }
@@ -127,12 +220,14 @@ ExitCode run(const FaultsOptions& options, const std::string& command_line) {
 
 void register_faults_command(CommandContext& context) {
   auto options = std::make_shared<FaultsOptions>();
-  CLI::App* command = context.app.add_subcommand(
-      "faults", "Kidnapped trials in the hall: the picture goes, and comes back");
-  command->add_option("--trials", options->kidnap.trials, "Trials of each kind and length")
+  CLI::App* command =
+      context.app.add_subcommand("faults", "Kidnapped trials: the picture goes, and comes back");
+  command->add_option("--source", options->source,
+                      "seven-scenes:DIR for the hand-held tracker; the hall without it");
+  command->add_option("--trials", options->trials, "Trials of each kind and length")
       ->check(CLI::Range(1, 10000));
   command
-      ->add_option("--lengths", options->kidnap.lengths,
+      ->add_option("--lengths", options->lengths,
                    "Frames without the true picture, separated by commas")
       ->delimiter(',')
       ->check(CLI::Range(1, 2000));
@@ -142,8 +237,10 @@ void register_faults_command(CommandContext& context) {
       ->check(CLI::NonNegativeNumber);
   command->add_option("--seed", options->kidnap.seed, "Seed of the hall and of the trials");
   command->add_option("--out", options->out, "Folder of the results")->required();
-  command->callback(
-      [options, &context] { context.exit_code = run(*options, context.command_line); });
+  command->callback([options, &context] {
+    context.exit_code = options->source.empty() ? run_kidnapped(*options, context.command_line)
+                                                : run_cut(*options, context.command_line);
+  });
 }
 
 }  // namespace cairn::host
