@@ -52,6 +52,8 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::NonNegativeNumber);
   command.add_option("--record", options.record,
                      "Also write the run's input log, for replay on host and board");
+  command.add_option("--overlay", options.overlay, "How virtual objects are drawn into the video")
+      ->check(CLI::IsMember({"wireframe", "shaded"}));
   command.add_flag("!--no-video", options.video, "Do not write the overlay video");
   command.add_option("--odometry-noise", options.odometry_noise, "Noise of the hall's odometry")
       ->check(CLI::IsMember({"s1", "base"}))

@@ -28,6 +28,7 @@ struct RunOptions {
   std::optional<int> first_frame;
   std::optional<int> max_frames;
   bool video = true;
+  std::string overlay = "wireframe";  ///< or shaded
   std::filesystem::path record;  ///< input log to write; empty: none
   std::string odometry_noise = "s1";
   std::optional<double> start_heading_variance;

@@ -59,6 +59,12 @@ class HandheldAdapter : public Tracker {
       if (!ok(filter.feature_position(slot, p, covariance))) continue;
       all.push_back({filter.feature_id(slot), p.cast<double>(), covariance.cast<double>(), true});
     }
+    const auto& library = core_->library();
+    for (int slot = 0; slot < library.size(); ++slot) {
+      if (filter.find(library[slot].id) >= 0) continue;
+      all.push_back({library[slot].id, library[slot].p_world.template cast<double>(),
+                     library[slot].covariance.template cast<double>(), false});
+    }
     return all;
   }
 
@@ -69,8 +75,10 @@ class HandheldAdapter : public Tracker {
         .template cast<double>();
   }
 
+  int library_size() const override { return core_->library().size(); }
   int landmark_capacity() const override { return Core::kMaxFeatures; }
   Health health() const override { return core_->health(); }
+  const Augmenter* objects() const override { return &augmenter_; }
 
   nlohmann::json description() const override {
     return {{"mode", "handheld"},

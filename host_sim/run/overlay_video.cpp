@@ -45,8 +45,13 @@ cv::Mat OverlayVideo::compose(const cv::Mat& grey, const cv::Mat& drawn,
                 static_cast<std::uint8_t>(std::min(255, 60 + level))};
     }
   }
-  const cv::Point at(8, grey.rows - 10);
-  const double size = grey.cols >= 480 ? 0.45 : 0.3;
+  return captioned(picture, caption);
+}
+
+cv::Mat OverlayVideo::captioned(const cv::Mat& colour, const std::string& caption) {
+  cv::Mat picture = colour;
+  const cv::Point at(8, picture.rows - 10);
+  const double size = picture.cols >= 480 ? 0.45 : 0.3;
   cv::putText(picture, caption, at, cv::FONT_HERSHEY_SIMPLEX, size, {0, 0, 0}, 3, cv::LINE_AA);
   cv::putText(picture, caption, at, cv::FONT_HERSHEY_SIMPLEX, size, {255, 255, 255}, 1,
               cv::LINE_AA);

@@ -15,6 +15,8 @@ class OverlayVideo {
 
   /// The picture of a frame: `drawn` is `grey` with the virtual object drawn into it.
   static cv::Mat compose(const cv::Mat& grey, const cv::Mat& drawn, const std::string& caption);
+  /// A picture in colour with a line of text in its lower left corner, drawn into it.
+  static cv::Mat captioned(const cv::Mat& colour, const std::string& caption);
 
   void write(const cv::Mat& picture);
   /// Empty when no encoder was found.

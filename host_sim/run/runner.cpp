@@ -1,18 +1,23 @@
 #include "host_sim/run/runner.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numeric>
+#include <optional>
 #include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "cairn/numeric/hash.hpp"
 #include "cairn/runtime/replay.hpp"
 
+#include "host_sim/render/shaded_object.hpp"
 #include "host_sim/run/host_ticks.hpp"
 #include "host_sim/run/names.hpp"
 #include "host_sim/run/overlay_video.hpp"
@@ -136,6 +141,37 @@ class FrameLoop {
     return {pose.rotation.cast<double>().normalized(), pose.translation.cast<double>()};
   }
 
+  /// The frame in colour with the tracker's objects shaded, hidden by the surfaces that are known;
+  /// empty where the tracker has no objects.
+  cv::Mat shade(const Frame& frame, const FrameRecord& entry) {
+    const Augmenter* objects = tracker_.objects();
+    if (objects == nullptr) return {};
+    if (!shaded_.has_value()) {
+      shaded_.emplace(objects->shape(), source_.info().camera);
+      for (const auto& corners : source_.info().surfaces) {
+        if (entry.vehicle.has_value()) surfaces_.push_back({corners});
+      }
+    }
+    cv::Mat picture;
+    cv::cvtColor(frame.grey, picture, cv::COLOR_GRAY2BGR);
+    if (entry.report.state == TrackingState::kLost) return picture;
+    const Rigid<double> T_world_camera = to_double(entry.report.T_world_camera);
+    for (const int i : far_to_near(*objects, T_world_camera)) {
+      shaded_->draw(to_double((*objects)[i]), T_world_camera, surfaces_, picture);
+    }
+    return picture;
+  }
+
+  static std::vector<int> far_to_near(const Augmenter& objects, const Rigid<double>& eye) {
+    std::vector<int> order(static_cast<std::size_t>(objects.size()));
+    std::iota(order.begin(), order.end(), 0);
+    const auto distance = [&](int i) {
+      return (objects[i].translation.cast<double>() - eye.translation).norm();
+    };
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return distance(a) > distance(b); });
+    return order;
+  }
+
   void draw(const Frame& frame, const FrameRecord& entry) {
     const std::size_t done = record_.frames.size();
     const bool keep = settings_.pictures > 0 && done % static_cast<std::size_t>(picture_step_) ==
@@ -145,7 +181,9 @@ class FrameLoop {
         fmt::format("frame {}  {}  {:.2f} ms  {} inliers  {} landmarks", frame.number,
                     to_string(entry.report.state), entry.total_ms, entry.report.inliers,
                     entry.report.landmarks);
-    const cv::Mat picture = OverlayVideo::compose(frame.grey, overlay_, caption);
+    const cv::Mat drawn = settings_.shaded ? shade(frame, entry) : cv::Mat();
+    const cv::Mat picture = drawn.empty() ? OverlayVideo::compose(frame.grey, overlay_, caption)
+                                          : OverlayVideo::captioned(drawn, caption);
     if (settings_.video) {
       if (video_ == nullptr) {
         video_ = std::make_unique<OverlayVideo>(settings_.out, source_.info().frame_rate_hz,
@@ -171,6 +209,8 @@ class FrameLoop {
   cv::Mat overlay_;
   std::unique_ptr<OverlayVideo> video_;
   int picture_step_ = 1;
+  std::optional<ShadedObject> shaded_;
+  std::vector<OccludingPolygon> surfaces_;
 };
 
 }  // namespace

@@ -47,7 +47,8 @@ struct RunRecord {
 struct RunnerSettings {
   std::filesystem::path out;
   bool video = true;
-  int pictures = 6;  ///< overlay frames kept for the report
+  bool shaded = false;  ///< objects with shaded faces, hidden by known surfaces, not as wireframes
+  int pictures = 6;     ///< overlay frames kept for the report
 };
 
 /// Drives `tracker` over `first` and the rest of `source`. Writes the overlay video and its

@@ -12,6 +12,7 @@
 #include "cairn/geometry/observation.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/numeric/health.hpp"
+#include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/frame_report.hpp"
 
 #include "host_sim/run/handheld_options.hpp"
@@ -50,6 +51,8 @@ class Tracker {
   /// Landmarks in the map library, -1 without one.
   virtual int library_size() const { return -1; }
   virtual Health health() const = 0;
+  /// The virtual objects that process() draws; null where there are none.
+  virtual const Augmenter* objects() const { return nullptr; }
   /// Vehicle mode alone.
   virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }
   /// Covariance of the attitude, rad^2, camera axes; of a small turn after it. Handheld mode alone.

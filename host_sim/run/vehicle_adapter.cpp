@@ -94,6 +94,7 @@ class VehicleAdapter : public Tracker {
     estimate.covariance = core_->filter().pose_covariance().template cast<double>();
     return estimate;
   }
+  const Augmenter* objects() const override { return &augmenter_; }
 
   nlohmann::json description() const override {
     return {{"mode", "vehicle"},

@@ -147,6 +147,7 @@ ExitCode run_source(FrameSource& source, const RunOptions& options) {
   RunnerSettings runner;
   runner.out = options.out;
   runner.video = options.video;
+  runner.shaded = options.overlay == "shaded";
   std::optional<RecordingSource> recording;
   if (!options.record.empty()) {
     recording.emplace(source, options.record,

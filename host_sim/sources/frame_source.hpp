@@ -48,11 +48,14 @@ struct SourceInfo {
   PinholeCamera<double> camera;
   /// Where the camera sits on the vehicle; the identity for handheld sources.
   Rigid<double> T_vehicle_camera;
-  std::optional<OdometryModel> odometry;      ///< absent: handheld
-  double frame_rate_hz = 30.0;                ///< nominal
-  std::optional<int> lap_frames;              ///< frames after which the way repeats, where it does
-  std::optional<int> frame_count;             ///< frames that will come, where known
-  std::uint64_t seed = 0;                     ///< 0 where nothing is random
+  std::optional<OdometryModel> odometry;  ///< absent: handheld
+  double frame_rate_hz = 30.0;            ///< nominal
+  std::optional<int> lap_frames;          ///< frames after which the way repeats, where it does
+  std::optional<int> frame_count;         ///< frames that will come, where known
+  std::uint64_t seed = 0;                 ///< 0 where nothing is random
+  /// Surfaces of the world that are known, convex polygons: what hides a virtual object. Vehicle
+  /// mode alone, whose world is the true one.
+  std::vector<std::vector<Vector3<double>>> surfaces;
   std::vector<std::filesystem::path> inputs;  ///< files that were read, for the manifest's hashes
   std::string note;                           ///< what was assumed, for the manifest and the report
 };

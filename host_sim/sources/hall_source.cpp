@@ -38,6 +38,18 @@ Rigid<double> hall_mounting() {
   return {Quaternion<double>(R_vehicle_camera), Vector3<double>(0.35, 0.0, 1.0)};
 }
 
+/// All but floor and ceiling.
+std::vector<std::vector<Vector3<double>>> upright_surfaces(const Hall& hall) {
+  std::vector<std::vector<Vector3<double>>> surfaces;
+  for (const Quad& quad : hall.scene.quads) {
+    const Vector3<double> normal = quad.edge_s.cross(quad.edge_t).normalized();
+    if (std::abs(normal.z()) > 0.9) continue;
+    surfaces.push_back({quad.origin, quad.origin + quad.edge_s,
+                        quad.origin + quad.edge_s + quad.edge_t, quad.origin + quad.edge_t});
+  }
+  return surfaces;
+}
+
 class HallSource final : public FrameSource {
  public:
   explicit HallSource(const HallOptions& options)
@@ -63,6 +75,7 @@ class HallSource final : public FrameSource {
     info_.frame_rate_hz = kFrameRate;
     info_.lap_frames = static_cast<int>(std::lround(LapDrive::Shape().lap_time_s * kFrameRate));
     info_.frame_count = end_ - next_;
+    info_.surfaces = upright_surfaces(hall_);
     info_.seed = options.seed;
     info_.note = options.base_noise ? "odometry noise base: 0.05 m/s, 2 deg at 10 Hz"
                                     : "odometry noise s1: 0.1 m/s, 5 deg at 10 Hz";

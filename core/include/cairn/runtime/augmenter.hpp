@@ -37,6 +37,7 @@ class Augmenter {
   }
 
   int size() const { return places_.size(); }
+  const VirtualObject& shape() const { return shape_; }
   const Rigid<float>& operator[](int i) const { return places_[i]; }
 
   /// No object was drawn for a while and there is room for another: the time to place one.

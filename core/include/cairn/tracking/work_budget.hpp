@@ -39,7 +39,9 @@ inline constexpr int kAppearance = 24;  ///< make_appearance()
 
 /// detect_fast() over a window: the most it takes, where every pixel may be a corner, and what it
 /// took with as many of them before non-maximum suppression (FastReport::candidates).
-inline constexpr int fast(int width, int height) { return 1 + width * height / 8; }
+inline constexpr int fast(int width, int height) {
+  return 1 + width * height / 8;
+}
 inline constexpr int fast(int width, int height, int candidates) {
   return 1 + width * height / 45 + 3 * candidates / 8;
 }
