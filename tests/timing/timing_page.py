@@ -61,10 +61,11 @@ def tables(results):
 def summary(results):
     """The dearest of all inputs, by image."""
     rows = ["", "## Dearest", "", "Over all inputs of an image. Budget: 20 M instructions (goal 12 M), hybrid bound 24 M, "
-            "41.57 ms at 600 MHz, worst/median 2.5.", "",
-            "| target | image | inputs | worst frame | of input | hybrid bound | worst/median | "
+            "41.57 ms at 600 MHz, worst/median 2.5. Share of units: the largest share of what a frame's "
+            "[units of work](../explanation/frame-work.md) stand for that it took, drawing apart.", "",
+            "| target | image | inputs | worst frame | of input | share of units | hybrid bound | worst/median | "
             "modelled worst, 480 / 600 MHz | modelled hybrid, 600 MHz |",
-            "| --- | --- | ---: | ---: | --- | ---: | ---: | ---: | ---: |"]
+            "| --- | --- | ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: |"]
     for target, entries in results.items():
         for image, entry in entries.items():
             timings = entry.get("timing", {}) if isinstance(entry, dict) else {}
@@ -77,7 +78,10 @@ def summary(results):
                 values = [timing[key] for timing in timings.values() if key in timing]
                 return f"{max(values)} ms" if values else "-"
 
+            shares = [timing["instructions_per_unit"] for timing in timings.values()
+                      if timing.get("instructions_per_unit")]
             rows.append(f"| {target} | {image} | {len(frames)} | {thousands(frames[worst]['worst'])} | {worst} | "
+                        f"{max(shares) if shares else '-'} | "
                         f"{thousands(max(f['hybrid_bound'] for f in frames.values()))} | "
                         f"{max(f['worst_over_median'] or 0 for f in frames.values()):.2f} | "
                         f"{largest('modelled_ms_480mhz')} / {largest('modelled_ms_600mhz')} | "
