@@ -19,13 +19,23 @@ CONSTANTS = {
     "kMaxParts": "8", "kMaxVertices": "18", "kMaxFaces": "14", "kMaxEdges": "30", "kLensPieces": "6",
     "kMaxObjects": "8", "kMaxSamples": "128", "kMaxAnchorPoints": "64", "kMaxOccupied": "192",
     "kCells": "48", "kCornersPerCell": "6", "kMaxCorners": "8", "kPatchSide": "11", "kMaxHypotheses": "64",
+    "kMatrixStates": "max(kMonoStates, kVehicleStates)",     # PackedSymmetric serves both
+    "kMaxNear": "48", "kPlaceSamples": "24", "kMessages": "8", "kVisible": "48", "kPlaceCorners": "144",
 }
 
 RULES = [
     (r".*", r"\(int \w+ = \w+; \w+ <=? " + r"(Rows|Size|N|Rank|Dim|LandmarkDim)" + r"; .*\)", "32"),
-    (r"numeric/packed_symmetric", r".*(size_|tiled|<= i|< i|< last|< first|<= c).*", "kMonoStates"),
-    (r"numeric/packed_symmetric", r".*", "kMonoStates"),
+    (r"numeric/packed_symmetric", r".*", "kMatrixStates"),
+    (r"geometry/pose_ransac", r".*samples.*", "kPlaceSamples"),
+    (r"geometry/", r".*count.*", "kPlaceCorners"),
     (r"geometry/", r".*", "16"),
+    (r"map/", r".*view_count.*", "1"),
+    (r"map/", r".*(slot|size\(\)).*", "kLibraryLandmarks"),
+    (r"map/exchange", r".*", "3"),
+    (r"map/map_builder", r".*", "kMessages"),
+    (r"map/library_matcher", r".*", "kPlaceCorners"),
+    (r"map/visibility", r".*exclude.*", "kMaxLandmarks"),
+    (r"map/", r".*", "kVisible"),
     (r"numeric/one_point_ransac", r".*needed.*", "kMaxHypotheses"),
     (r"numeric/one_point_ransac", r".*", "kMaxPixels"),
     (r"numeric/fixed_vector", r".*", "kMaxOccupied"),
@@ -59,6 +69,10 @@ RULES = [
     (r"tracking/feature_supply", r".*fast.*", "kCornersPerCell"),
     (r"tracking/feature_supply", r".*occupied_.*", "kMaxOccupied"),
     (r"tracking/landmark_search", r".*", "kMaxLandmarks"),
+    (r"tracking/planar_pose_search", r".*", "kMaxNear"),
+    (r"tracking/relocaliser", r".*fast.*|.*best\[k.*", "kCornersPerCell"),
+    (r"tracking/relocaliser", r".*", "kCells"),
+    (r"tracking/place_finder", r".*", "kPlaceCorners"),
     (r"tracking/active_search", r".*", "kMaxCorners"),
     (r"tracking/anchor", r".*samples.*", "kMaxSamples"),
     (r"tracking/anchor", r".*", "kMaxAnchorPoints"),
@@ -82,8 +96,8 @@ RULES = [
     (r"vision/hamming", r".*", "kMaxCorners"),
     (r"vision/lanes", r".*height.*", "kWindow"),
     (r"vision/lanes", r".*", "kWindow"),
-    (r"vision/patch", r".*bits.*|.*bit.*|.*shift.*", "64"),
-    (r"vision/patch", r".*", "kPatchSide + 4"),
+    (r"vision/(detail/)?patch", r".*bits.*|.*bit.*|.*shift.*", "64"),
+    (r"vision/(detail/)?patch", r".*", "kPatchSide + 4"),
 ]
 
 
@@ -101,7 +115,7 @@ def constants(root):
         for name, text in list(waiting.items()):
             needed = re.findall(r"k[A-Z]\w*", text)
             if all(other in values for other in needed):
-                values[name] = eval(text, {}, values)
+                values[name] = eval(text, {"max": max}, values)
                 del waiting[name]
     return values
 
