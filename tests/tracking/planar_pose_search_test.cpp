@@ -1,0 +1,134 @@
+#include "cairn/tracking/planar_pose_search.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "cairn/numeric/random.hpp"
+
+namespace cairn {
+namespace {
+
+/// GIVEN a vehicle whose camera looks ahead from 1 m above the floor, and a prior that is off by
+/// 0.15 rad and 0.3 m.
+class LostVehicle : public ::testing::Test {
+ protected:
+  LostVehicle() {
+    camera_.fx = camera_.fy = 500.0F;
+    camera_.cx = 319.5F;
+    camera_.cy = 239.5F;
+    camera_.width = 640;
+    camera_.height = 480;
+    T_vehicle_camera_ = {{0.5F, -0.5F, 0.5F, -0.5F}, {0.1F, 0.0F, 1.0F}};
+    truth_.position = {2.0F, -1.0F};
+    truth_.heading = 0.4F;
+    prior_.pose.position = {2.25F, -1.15F};
+    prior_.pose.heading = 0.55F;
+    prior_.covariance = Vector3<float>(0.04F, 0.04F, 0.01F).asDiagonal();
+  }
+
+  float uniform(float low, float high) {
+    return low + (high - low) * static_cast<float>(random_.below(65536)) / 65535.0F;
+  }
+  PlanarView view() const { return {camera_, T_vehicle_camera_}; }
+
+  Vector3<float> point_ahead() {
+    const Vector3<float> p_vehicle(uniform(3.0F, 8.0F), uniform(-2.0F, 2.0F), uniform(0.0F, 2.5F));
+    return on_floor(truth_) * p_vehicle;
+  }
+  void add_right() {
+    PlanarSighting& s = sightings_[count_++];
+    s.p_map = point_ahead();
+    Matrix<float, 2, 3> jacobian;
+    ASSERT_TRUE(ok(view().predict(truth_, s.p_map, s.pixel, jacobian)));
+    s.pixel += Vector2<float>(uniform(-1.0F, 1.0F), uniform(-1.0F, 1.0F));
+  }
+  void add_wrong() {
+    PlanarSighting& s = sightings_[count_++];
+    s.p_map = point_ahead();
+    s.pixel = {uniform(0.0F, 639.0F), uniform(0.0F, 479.0F)};
+  }
+  Status search(PlanarPose<float>& pose) {
+    return find_planar_pose(view(), prior_, sightings_, count_, PlanarPoseOptions{}, pose,
+                            support_);
+  }
+
+  PinholeCamera<float> camera_;
+  Rigid<float> T_vehicle_camera_;
+  PlanarPose<float> truth_;
+  PlanarPrior prior_;
+  PlanarSighting sightings_[PlanarPoseOptions::kMaxSightings];
+  int count_ = 0;
+  int support_ = -1;
+  Random random_{7};
+};
+
+TEST_F(LostVehicle, JacobianIsTheSlopeOfThePixel) {
+  constexpr float kStep = 1e-3F;
+  const Vector3<float> p = point_ahead();
+  Vector2<float> pixel;
+  Matrix<float, 2, 3> jacobian;
+  ASSERT_TRUE(ok(view().predict(truth_, p, pixel, jacobian)));
+  for (int i = 0; i < 3; ++i) {
+    Vector2<float> ends[2];
+    for (int side = 0; side < 2; ++side) {
+      PlanarPose<float> moved = truth_;
+      const float step = side == 0 ? -kStep : kStep;
+      if (i < 2) moved.position[i] += step;
+      if (i == 2) moved.heading += step;
+      Matrix<float, 2, 3> unused;
+      ASSERT_TRUE(ok(view().predict(moved, p, ends[side], unused)));
+    }
+    const Vector2<float> slope = (ends[1] - ends[0]) / (2.0F * kStep);
+    EXPECT_LT((slope - jacobian.col(i)).norm(), 0.01F * (1.0F + slope.norm()));
+  }
+}
+
+/// Two of three sightings are wrong: where a pose is claimed, it is the right one.
+TEST_F(LostVehicle, SixRightOfEighteenSightingsTellThePose) {
+  constexpr int kScenes = 100;
+  int claimed = 0;
+  int right = 0;
+  for (int scene = 0; scene < kScenes; ++scene) {
+    count_ = 0;
+    for (int i = 0; i < 6; ++i) add_right();
+    for (int i = 0; i < 12; ++i) add_wrong();
+    PlanarPose<float> pose;
+    if (!ok(search(pose))) continue;
+    ++claimed;
+    const bool near = (pose.position - truth_.position).norm() < 0.15F &&
+                      std::abs(pose.heading - truth_.heading) < 0.03F;
+    right += near ? 1 : 0;
+  }
+  EXPECT_GE(claimed, 90);
+  EXPECT_EQ(right, claimed);
+}
+
+TEST_F(LostVehicle, WrongSightingsRarelyAgree) {
+  int claimed = 0;
+  for (int scene = 0; scene < 50; ++scene) {
+    count_ = 0;
+    for (int i = 0; i < 18; ++i) add_wrong();
+    PlanarPose<float> pose;
+    claimed += ok(search(pose)) ? 1 : 0;
+  }
+  EXPECT_LE(claimed, 5);  // what is left is for the look at the next image
+}
+
+TEST_F(LostVehicle, RefusesWhatItCannotUse) {
+  for (int i = 0; i < 6; ++i) add_right();
+  PlanarPose<float> pose;
+  pose.heading = 42.0F;
+  count_ = PlanarPoseOptions::kMaxSightings + 1;
+  EXPECT_EQ(search(pose), Status::kInvalidArgument);
+  count_ = 3;
+  EXPECT_EQ(search(pose), Status::kNoConsensus);
+  count_ = 6;
+  prior_.covariance(2, 2) = 0.0F;
+  EXPECT_EQ(search(pose), Status::kSingular);
+  EXPECT_EQ(pose.heading, 42.0F);
+  EXPECT_EQ(support_, -1);
+}
+
+}  // namespace
+}  // namespace cairn
