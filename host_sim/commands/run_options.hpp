@@ -29,7 +29,7 @@ struct RunOptions {
   std::optional<int> max_frames;
   bool video = true;
   std::string overlay = "wireframe";  ///< or shaded
-  std::filesystem::path record;  ///< input log to write; empty: none
+  std::filesystem::path record;       ///< input log to write; empty: none
   std::string odometry_noise = "s1";
   std::optional<double> start_heading_variance;
   std::optional<double> start_position_variance;
