@@ -85,23 +85,28 @@ bool make_template(const Patch& patch, const PatchWarp& warp, Template& out) {
 
 #if defined(__ARM_FEATURE_SIMD32)
 
-/// Adds a row of the image: four bytes at a time as two pairs of 16-bit values.
+/// Adds four pixels as two pairs of 16-bit values.
+__attribute__((always_inline)) inline void add_word(std::uint32_t word, const std::int16_t* t,
+                                                    const vision::ByteAdder& add_bytes,
+                                                    Sums& sums) {
+  sums.sum = static_cast<std::int32_t>(add_bytes(word, static_cast<std::uint32_t>(sums.sum)));
+  const vision::Pair even = word & 0x00FF00FFU;
+  const vision::Pair odd = (word >> 8U) & 0x00FF00FFU;
+  sums.squares = vision::add_products(even, even, sums.squares);
+  sums.squares = vision::add_products(odd, odd, sums.squares);
+  sums.product = vision::add_products(even, vision::load_pair(t), sums.product);
+  sums.product = vision::add_products(odd, vision::load_pair(t + 2), sums.product);
+}
+
+/// Adds a row of the image. Written out, because -O2 does not unroll.
 __attribute__((always_inline)) inline void add_row(const std::uint8_t* p, const std::int16_t* t,
                                                    const vision::ByteAdder& add_bytes, Sums& sums) {
-  auto total = static_cast<std::uint32_t>(sums.sum);
-  for (int column = 0; column < Template::kPitch; column += 4) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, p + column, sizeof word);
-    if (column + 4 > kSide) word &= 0x00FFFFFFU;
-    total = add_bytes(word, total);
-    const vision::Pair even = word & 0x00FF00FFU;
-    const vision::Pair odd = (word >> 8U) & 0x00FF00FFU;
-    sums.squares = vision::add_products(even, even, sums.squares);
-    sums.squares = vision::add_products(odd, odd, sums.squares);
-    sums.product = vision::add_products(even, vision::load_pair(t + column), sums.product);
-    sums.product = vision::add_products(odd, vision::load_pair(t + column + 2), sums.product);
-  }
-  sums.sum = static_cast<std::int32_t>(total);
+  static_assert(kSide == 11, "three words, of which the last pixel does not count");
+  std::uint32_t words[3];
+  std::memcpy(words, p, sizeof words);
+  add_word(words[0], t, add_bytes, sums);
+  add_word(words[1], t + 4, add_bytes, sums);
+  add_word(words[2] & 0x00FFFFFFU, t + 8, add_bytes, sums);
 }
 
 #else
@@ -118,11 +123,19 @@ inline void add_row(const std::uint8_t* p, const std::int16_t* t, const vision::
 
 #endif
 
-/// The squared correlation times the template's spread over every Step-th row; 0 where it is not
-/// positive. Domain: the pixel right of the window is inside the image.
+struct Best {
+  int x = 0;
+  int y = 0;
+  std::int64_t score = 0;
+};
+
+/// Keeps (x, y) if it is better than `best`. Its score is the squared correlation times the
+/// template's spread over every Step-th row, 0 where the correlation is not positive. Domain: the
+/// pixel right of the window is inside the image.
 template <int Step>
-std::int64_t score_at(const ImageView& image, int x, int y, const Template& t) {
-  constexpr std::int64_t kCount = (kSide + Step - 1) / Step * kSide;
+void try_at(const ImageView& image, int x, int y, const Template& t, Best& best) {
+  constexpr std::int32_t kCount = (kSide + Step - 1) / Step * kSide;
+  static_assert(kCount * kCount * 255LL * 255 < INT32_MAX, "spreads fit 32 bits");
   const std::int32_t template_sum = Step == 1 ? t.sum : t.coarse_sum;
   const vision::ByteAdder add_bytes;
   Sums sums;
@@ -130,19 +143,13 @@ std::int64_t score_at(const ImageView& image, int x, int y, const Template& t) {
   for (int row = 0; row < kSide; row += Step, p += Step * image.stride) {
     add_row(p, t.values + row * Template::kPitch, add_bytes, sums);
   }
-  const std::int64_t spread =
-      kCount * sums.squares - static_cast<std::int64_t>(sums.sum) * sums.sum;
-  const std::int64_t covariance =
-      kCount * sums.product - static_cast<std::int64_t>(sums.sum) * template_sum;
-  if (spread <= 0 || covariance <= 0) return 0;
-  return covariance * covariance / spread;
+  const std::int32_t spread = kCount * sums.squares - sums.sum * sums.sum;
+  const std::int32_t covariance = kCount * sums.product - sums.sum * template_sum;
+  if (spread <= 0 || covariance <= 0) return;
+  // covariance^2 / spread > best.score without a division, which takes longer than all the rest.
+  const std::int64_t squared = static_cast<std::int64_t>(covariance) * covariance;
+  if (squared >= (best.score + 1) * spread) best = {x, y, squared / spread};
 }
-
-struct Best {
-  int x = 0;
-  int y = 0;
-  std::int64_t score = 0;
-};
 
 }  // namespace
 
@@ -172,8 +179,7 @@ Status search_patch(const ImageView& image, const PixelPrediction<float>& predic
   for (int y = v - half_y; y <= v + half_y; y += 2) {
     for (int x = u - half_x; x <= u + half_x; x += 2) {
       if (!inside(static_cast<float>(x), static_cast<float>(y)) || !fits(x, y)) continue;
-      const std::int64_t score = score_at<2>(image, x, y, t);
-      if (score > coarse.score) coarse = {x, y, score};
+      try_at<2>(image, x, y, t, coarse);
     }
   }
   if (coarse.score == 0) return Status::kNotFound;
@@ -181,8 +187,7 @@ Status search_patch(const ImageView& image, const PixelPrediction<float>& predic
   for (int y = coarse.y - 1; y <= coarse.y + 1; ++y) {
     for (int x = coarse.x - 1; x <= coarse.x + 1; ++x) {
       if (!fits(x, y)) continue;
-      const std::int64_t score = score_at<1>(image, x, y, t);
-      if (score > best.score) best = {x, y, score};
+      try_at<1>(image, x, y, t, best);
     }
   }
   const std::int64_t wanted =
