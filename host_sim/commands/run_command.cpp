@@ -48,7 +48,7 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::PositiveNumber);
   command
       .add_option("--work-limit", options.work_limit,
-                  "Work of a vehicle's frame, in units of 1000 instructions on a Cortex-M7")
+                  "Work of a frame, in units of 1000 instructions on a Cortex-M7")
       ->check(CLI::NonNegativeNumber);
   command.add_option("--record", options.record,
                      "Also write the run's input log, for replay on host and board");

@@ -22,6 +22,7 @@ class HandheldAdapter : public Tracker {
       : core_(std::make_unique<Core>()) {
     typename Core::Parameters parameters;
     parameters.seed = options.seed;
+    if (options.work_limit) parameters.work_limit = *options.work_limit;
     if (options.fading == "adaptive") {
       parameters.filter.fading = FadingMode::kAdaptive;
     } else if (!options.fading.empty()) {

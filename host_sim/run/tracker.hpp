@@ -75,7 +75,7 @@ struct TrackerOptions {
   double budget_ms = 41.57;
   std::uint64_t seed = 1;
   HandheldOptions handheld;
-  std::optional<int> work_limit;  ///< units a frame, vehicle mode; empty: the tracker's own
+  std::optional<int> work_limit;  ///< units a frame; empty: the tracker's own
   /// Vehicle mode: where the estimate starts, with its variances (x and y alike; heading).
   double start_x_m = 0.0;
   double start_y_m = 0.0;

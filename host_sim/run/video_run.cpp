@@ -75,9 +75,6 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
   tracker.seed = options.seed;
   tracker.handheld = options.handheld;
   tracker.work_limit = options.work_limit;
-  if (tracker.mode == Mode::kHandheld && options.work_limit) {
-    throw UsageError("--work-limit: only for --mode vehicle");
-  }
   if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
     throw UsageError("--measurement and the options beside it: only for --mode handheld");
   }

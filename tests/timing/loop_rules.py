@@ -21,6 +21,8 @@ CONSTANTS = {
     "kCells": "48", "kCornersPerCell": "6", "kMaxCorners": "8", "kPatchSide": "11", "kMaxHypotheses": "64",
     "kMatrixStates": "max(kMonoStates, kVehicleStates)",     # PackedSymmetric serves both
     "kMaxNear": "48", "kPlaceSamples": "24", "kMessages": "8", "kVisible": "48", "kPlaceCorners": "144",
+    # HandheldTracker: steps of 4096 comparisons, then of 24 of its 300 samples.
+    "kPlaceSteps": "kLibraryLandmarks * kPlaceCorners // 4096 + 300 // kPlaceSamples + 2",
 }
 
 RULES = [
@@ -56,6 +58,7 @@ RULES = [
     (r"planar/detail/planar_(filter|pixels|update)", r".*", "2 * kMaxLandmarks"),
     (r"planar/", r".*", "kVehicleStates"),
     (r"runtime/augmenter", r".*", "kMaxObjects"),
+    (r"runtime/detail/handheld", r".*places_.*", "kPlaceSteps"),
     (r"runtime/detail/", r".*promotions.*", "4"),
     (r"runtime/detail/", r".*found.*", "kCells"),
     (r"runtime/detail/", r".*pool_.*", "kMaxCandidates"),
@@ -65,6 +68,7 @@ RULES = [
     (r"tracking/candidate_pool", r".*[Kk]eyframe.*", "kMaxKeyframes"),
     (r"tracking/candidate_pool", r".*step : steps.*", "4"),
     (r"tracking/candidate_pool", r".*", "kMaxCandidates"),
+    (r"tracking/expected_search", r".*", "kMaxNear"),
     (r"tracking/feature_supply", r".*counts_.*|.*kCells.*", "kCells"),
     (r"tracking/feature_supply", r".*fast.*", "kCornersPerCell"),
     (r"tracking/feature_supply", r".*occupied_.*", "kMaxOccupied"),
@@ -72,7 +76,6 @@ RULES = [
     (r"tracking/planar_pose_search", r".*", "kMaxNear"),
     (r"tracking/relocaliser", r".*fast.*|.*best\[k.*", "kCornersPerCell"),
     (r"tracking/relocaliser", r".*", "kCells"),
-    (r"tracking/place_finder", r".*", "kPlaceCorners"),
     (r"tracking/active_search", r".*", "kMaxCorners"),
     (r"tracking/anchor", r".*samples.*", "kMaxSamples"),
     (r"tracking/anchor", r".*", "kMaxAnchorPoints"),

@@ -6,6 +6,7 @@
 #include "cairn/runtime/handheld_tracker.hpp"
 
 #include "plane_scene.hpp"
+#include "two_walls.hpp"
 
 namespace cairn {
 namespace {
@@ -38,35 +39,6 @@ class HandheldWithoutSight : public ::testing::Test {
   static constexpr int kAgain = kFrames - 11;  ///< where the camera is when the picture is back
   static constexpr std::int64_t kStepUs = 33333;
 
-  static Rigid<double> pose_at(int k) {
-    const double t = k < 20 ? 0.001 * k * k / 20.0 : 0.001 * (2.0 * k - 20.0);  // starts at rest
-    return {rotation_exp(Vector3<double>(0, t, 0)), {-4 * t, t, 0}};
-  }
-  /// The nearer plane fills the left half.
-  static Image picture(const Rigid<double>& pose) {
-    static const test::PlaneScene far_wall(2.5, 0.28);
-    static const test::PlaneScene near_wall(1.2, 0.13, 7);
-    const PinholeCamera<double> camera = test::small_camera();
-    Image image = far_wall.render(camera, pose);
-    const Image front = near_wall.render(camera, pose);
-    Vector2<double> edge;
-    static_cast<void>(camera.project(pose.inverse() * Vector3<double>(-0.1, 0.0, 1.2), edge));
-    const int columns = clamp(static_cast<int>(edge.x()), 0, camera.width);
-    for (int v = 0; v < camera.height; ++v) {
-      for (int u = 0; u < columns; ++u) {
-        const auto i = static_cast<std::size_t>(v * camera.width + u);
-        image[i] = front[i];
-      }
-    }
-    return image;
-  }
-  static const std::vector<Image>& walk() {
-    static std::vector<Image> images;
-    for (int k = static_cast<int>(images.size()); k < kFrames; ++k) {
-      images.push_back(picture(pose_at(k)));
-    }
-    return images;
-  }
   static Handheld::Parameters parameters() {
     Handheld::Parameters p;
     p.start_blocks = 3;  // a shorter start: what follows is about the library
@@ -76,7 +48,7 @@ class HandheldWithoutSight : public ::testing::Test {
   HandheldWithoutSight() {
     EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), parameters())));
     for (int k = 0; k < kFrames; ++k) {
-      step(walk()[static_cast<std::size_t>(k)]);
+      step(test::two_walls(k));
       if (k == kAgain) then_ = report_.T_world_camera;
     }
     EXPECT_EQ(report_.state, TrackingState::kTracking);
@@ -126,7 +98,7 @@ TEST_F(HandheldWithoutSight, FindsItsPlaceInTheLibraryAndKeepsItsScale) {
   show(Image(320 * 240, 0), 20);
   ASSERT_EQ(report_.state, TrackingState::kLost);
   tracked_ = false;
-  show(walk()[kAgain], 20);
+  show(test::two_walls(kAgain), 20);
   EXPECT_TRUE(relocalised_);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   EXPECT_EQ(tracker_->health().relocalisations, 1U);
@@ -136,7 +108,7 @@ TEST_F(HandheldWithoutSight, FindsItsPlaceInTheLibraryAndKeepsItsScale) {
 
 TEST_F(HandheldWithoutSight, NeverTakesAnotherPlaceForItsOwn) {
   const test::PlaneScene elsewhere(2.0, 0.2, 99);
-  const Image other = elsewhere.render(test::small_camera(), pose_at(0));
+  const Image other = elsewhere.render(test::small_camera(), test::two_walls_pose(0));
   show(Image(320 * 240, 0), 20);
   ASSERT_EQ(report_.state, TrackingState::kLost);
   tracked_ = false;
@@ -144,7 +116,7 @@ TEST_F(HandheldWithoutSight, NeverTakesAnotherPlaceForItsOwn) {
   EXPECT_FALSE(tracked_);
   EXPECT_FALSE(relocalised_);
   EXPECT_EQ(report_.state, TrackingState::kLost);
-  show(walk()[kAgain], 20);
+  show(test::two_walls(kAgain), 20);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
 }
 
@@ -159,7 +131,7 @@ TEST_F(HandheldWithoutSight, FindsItsPlaceInAMapThatWasSaved) {
   EXPECT_EQ(other->library().size(), tracker_->library().size());
   EXPECT_EQ(other->state(), TrackingState::kLost);
   tracker_ = std::move(other);
-  show(walk()[kAgain], 20);
+  show(test::two_walls(kAgain), 20);
   EXPECT_TRUE(relocalised_);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   expect_the_pose_of_then();
@@ -182,14 +154,14 @@ TEST_F(HandheldWithoutSight, RefusesADamagedMapAndKeepsItsOwn) {
 
 TEST_F(HandheldWithoutSight, BeginsAnewWhereItHasNoMapToComeBackTo) {
   ASSERT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), {})));
-  for (int k = 0; k < 20; ++k) step(walk()[static_cast<std::size_t>(k)]);
+  for (int k = 0; k < 20; ++k) step(test::two_walls(k));
   ASSERT_EQ(tracker_->library().size(), 0);
   show(Image(320 * 240, 0), 20);
   ASSERT_EQ(report_.state, TrackingState::kLost);
-  show(walk()[20], 1);
+  show(test::two_walls(20), 1);
   EXPECT_EQ(report_.state, TrackingState::kLost);  // of this frame, too
   EXPECT_EQ(tracker_->state(), TrackingState::kInitialising);
-  show(walk()[20], 3);
+  show(test::two_walls(20), 3);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   EXPECT_FALSE(relocalised_);
   EXPECT_EQ(tracker_->health().losses, 1U);

@@ -34,8 +34,8 @@ bool make_ellipse(const PixelPrediction<float>& prediction, float gate, Ellipse&
 
 /// Units that search_patch() takes over the ellipse of a prediction.
 int patch_search_work(const PixelPrediction<float>& prediction, float gate) {
-  constexpr int kItself = 36 + work::kAlignment;
-  constexpr int kWindowsPerUnit = 2;  // of every second pixel of every second row
+  constexpr int kItself = 8 + work::kAlignment;
+  constexpr int kWindowsPerUnit = 3;  // of every second pixel of every second row
   Ellipse ellipse;
   if (!make_ellipse(prediction, gate, ellipse)) return work::kSearchItself;
   return kItself + (ellipse.half_x + 1) * (ellipse.half_y + 1) / kWindowsPerUnit;
@@ -106,6 +106,16 @@ bool align(const ImageView& image, const Appearance& appearance, const PatchWarp
 }
 
 }  // namespace
+
+int most_search_work(const PixelPrediction<float>& prediction, const SearchParameters& parameters) {
+  if (parameters.method == SearchMethod::kPatch) {
+    return patch_search_work(prediction, parameters.patch.gate);
+  }
+  Ellipse ellipse;
+  if (!make_ellipse(prediction, parameters.gate, ellipse)) return work::kSearchItself;
+  return work::kSearchItself + work::fast(2 * ellipse.half_x + 1, 2 * ellipse.half_y + 1) +
+         SearchParameters::kMaxCorners * work::kDescriptor + 2 * work::kAlignment;
+}
 
 Status search_landmark(const ImageView& image, const PixelPrediction<float>& prediction,
                        const Appearance& appearance, const Matrix2<float>& warp,

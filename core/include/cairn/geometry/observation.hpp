@@ -41,4 +41,15 @@ struct UpdateReport {
   int nis_dof = 0;
 };
 
+/// Counts a further update of the same frame in.
+inline void add(const UpdateReport& update, UpdateReport& total) {
+  total.matches += update.matches;
+  total.hypotheses += update.hypotheses;
+  total.low_innovation += update.low_innovation;
+  total.high_innovation += update.high_innovation;
+  total.gated += update.gated;
+  total.nis += update.nis;
+  total.nis_dof += update.nis_dof;
+}
+
 }  // namespace cairn

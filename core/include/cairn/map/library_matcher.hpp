@@ -46,6 +46,8 @@ class LibraryMatcher {
     descriptors_.clear();
     pixels_.clear();
     next_slot_ = 0;
+    pairs_ = 0;
+    compared_whole_ = 0;
   }
   /// Adds a feature of the frame. kFull, kNonFiniteInput.
   Status add_feature(const Vector2<Scalar>& pixel, const Descriptor& descriptor) {
@@ -64,21 +66,8 @@ class LibraryMatcher {
   template <class MayBe>
   int best_of(const Descriptor& descriptor, const LibraryMatcherOptions& options,
               MayBe may_be) const {
-    int best = -1;
-    int distance = 513;
-    int second = 513;
-    for (int f = 0; f < descriptors_.size(); ++f) {
-      if (!may_be(pixels_[f])) continue;
-      const int d = hamming_distance(descriptor, descriptors_[f]);
-      if (d < distance) {
-        second = distance;
-        distance = d;
-        best = f;
-      } else if (d < second) {
-        second = d;
-      }
-    }
-    return distance <= options.max_distance && is_clear(distance, second, options) ? best : -1;
+    const Nearest nearest = nearest_to(descriptor, [&](int f) { return may_be(pixels_[f]); });
+    return is_match(nearest, options) ? nearest.feature : -1;
   }
 
   /// Compares further landmarks with every feature until `max_pairs` pairs are spent (at least one
@@ -98,8 +87,13 @@ class LibraryMatcher {
       ++next_slot_;
       if (spent >= max_pairs) break;
     }
+    pairs_ += spent;
     return next_slot_ >= library.size();
   }
+
+  /// Pairs that step() has compared since clear(), and those of them that passed the cascade.
+  int pairs() const { return pairs_; }
+  int compared_whole() const { return compared_whole_; }
 
   /// The matches so far, nearest first (ties: lower feature), at most `capacity`. Returns how many.
   int matches(const LibraryMatcherOptions& options, LibraryMatch* out, int capacity) const {
@@ -130,30 +124,47 @@ class LibraryMatcher {
     int second_distance = 513;  // of another landmark
   };
 
+  struct Nearest {
+    int feature = -1;
+    int distance = 513;
+    int second_distance = 513;  // of another feature
+    int compared = 0;
+  };
+
   static bool is_clear(int distance, int second, const LibraryMatcherOptions& options) {
     return distance * 256 < second * options.max_ratio_256;
+  }
+  static bool is_match(const Nearest& nearest, const LibraryMatcherOptions& options) {
+    return nearest.feature >= 0 && nearest.distance <= options.max_distance &&
+           is_clear(nearest.distance, nearest.second_distance, options);
+  }
+
+  /// Of the features that `may_be` accepts.
+  template <class MayBe>
+  Nearest nearest_to(const Descriptor& descriptor, MayBe may_be) const {
+    Nearest nearest;
+    for (int f = 0; f < descriptors_.size(); ++f) {
+      if (!may_be(f)) continue;
+      ++nearest.compared;
+      const int d = hamming_distance(descriptor, descriptors_[f]);
+      if (d < nearest.distance) {
+        nearest.second_distance = nearest.distance;
+        nearest.distance = d;
+        nearest.feature = f;
+      } else if (d < nearest.second_distance) {
+        nearest.second_distance = d;
+      }
+    }
+    return nearest;
   }
 
   void match_view(LandmarkId id, const Descriptor& descriptor,
                   const LibraryMatcherOptions& options) {
-    int best = -1;
-    int distance = 513;
-    int second = 513;
-    for (int f = 0; f < descriptors_.size(); ++f) {
-      if (hamming_prefix_distance(descriptor, descriptors_[f]) > options.max_prefix_distance) {
-        continue;
-      }
-      const int d = hamming_distance(descriptor, descriptors_[f]);
-      if (d < distance) {
-        second = distance;
-        distance = d;
-        best = f;
-      } else if (d < second) {
-        second = d;
-      }
-    }
-    if (best < 0 || distance > options.max_distance || !is_clear(distance, second, options)) return;
-    note(best_[best], id, distance);
+    const Nearest nearest = nearest_to(descriptor, [&](int f) {
+      return hamming_prefix_distance(descriptor, descriptors_[f]) <= options.max_prefix_distance;
+    });
+    compared_whole_ += nearest.compared;
+    if (is_match(nearest, options)) note(best_[nearest.feature], id, nearest.distance);
   }
 
   static void note(Best& best, LandmarkId id, int distance) {
@@ -172,6 +183,8 @@ class LibraryMatcher {
   FixedVector<Vector2<Scalar>, MaxFeatures> pixels_;
   Best best_[MaxFeatures];
   int next_slot_ = 0;
+  int pairs_ = 0;
+  int compared_whole_ = 0;
 };
 
 /// Turns matches into observations for estimate_pose_ransac. Matches whose landmark has left the

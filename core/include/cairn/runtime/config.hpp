@@ -14,6 +14,7 @@ struct DefaultConfig {
   static constexpr int kMaxCandidates = 32;      ///< seen, not yet in the filter
   static constexpr int kMaxKeyframes = 8;        ///< past positions in the filter's state
   static constexpr int kPlaceFeatures = 96;      ///< of an image whose place is looked up
+  static constexpr int kPlaceMatches = 96;       ///< the nearest of them, of which a pose is sought
 };
 
 struct TinyConfig : DefaultConfig {
@@ -24,6 +25,7 @@ struct TinyConfig : DefaultConfig {
   static constexpr int kLibraryLandmarks = 48;
   static constexpr int kMaxCandidates = 16;
   static constexpr int kPlaceFeatures = 48;
+  static constexpr int kPlaceMatches = 48;
 };
 
 struct LargeConfig : DefaultConfig {
@@ -34,6 +36,7 @@ struct LargeConfig : DefaultConfig {
   static constexpr int kLibraryLandmarks = 1024;
   static constexpr int kMaxCandidates = 64;
   static constexpr int kPlaceFeatures = 128;
+  static constexpr int kPlaceMatches = 128;
 };
 
 }  // namespace cairn

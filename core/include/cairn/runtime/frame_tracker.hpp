@@ -14,6 +14,7 @@
 #include "cairn/runtime/config.hpp"
 #include "cairn/runtime/frame_report.hpp"
 #include "cairn/tracking/candidate_pool.hpp"
+#include "cairn/tracking/expected_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
 #include "cairn/tracking/landmark_search.hpp"
 #include "cairn/tracking/planar_pose_search.hpp"
@@ -254,8 +255,6 @@ class FrameTracker {
   bool plausible(const Rigid<float>& T_map_camera) const;
   bool in_known_place(const Library& library);
   bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
-  void find_expected(const ImageView& image, const Library& library,
-                     const Rigid<float>& T_map_camera, int count, ComingBack& memory);
 
   PinholeCamera<float> camera_;
   Rigid<float> T_vehicle_camera_;

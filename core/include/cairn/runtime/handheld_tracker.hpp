@@ -12,10 +12,12 @@
 #include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/config.hpp"
 #include "cairn/runtime/frame_report.hpp"
+#include "cairn/runtime/frame_work.hpp"
 #include "cairn/tracking/anchor.hpp"
+#include "cairn/tracking/expected_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
 #include "cairn/tracking/landmark_search.hpp"
-#include "cairn/tracking/place_finder.hpp"
+#include "cairn/tracking/relocaliser.hpp"
 
 namespace cairn {
 
@@ -30,29 +32,41 @@ namespace cairn {
 ///
 /// All storage is inside; the caller decides where an instance lies. One frame costs at most
 /// `max_searches` landmark searches, one filter update of as many matches, and `cells_per_frame`
-/// cells of corner detection; while lost, in turn the two halves of PlaceFinder, the second with
-/// 2 * kReturning searches.
+/// cells of corner detection; while lost, steps of the relocaliser or 2 * kReturning searches. All
+/// of it together ends within set_work_limit(): the pose comes first, then the map.
 template <class Config>
 class HandheldTracker {
  public:
   static constexpr int kMaxFeatures = Config::kMaxFeatures;
   using Filter = MonoEkf<float, kMaxFeatures>;
   using Supply = FeatureSupply<Config::kMaxImageWidth>;
-  /// An image is compared with the whole library in two frames, so that the hand has moved little
-  /// when the pose found is confirmed: the library is bounded for that.
+  /// An image is compared with the whole library within a few frames, so that the hand has moved
+  /// little when the pose found is confirmed: the library is bounded for that. Without odometry a
+  /// place takes more features, and the pose is sought of the best matches alone.
   struct LibraryConfig : Config {
     static constexpr int kLibraryLandmarks =
         Config::kLibraryLandmarks < 256 ? Config::kLibraryLandmarks : 256;
+    static constexpr int kPlaceFeatures = 144;
+    static constexpr int kPlaceMatches = 40;
   };
   using Library = MapLibrary<LibraryConfig>;
-  using Places = PlaceFinder<LibraryConfig>;
+  using Places = Relocaliser<LibraryConfig>;
 
-  /// The defaults of the members but for two: landmarks are found by their patches, and a pixel's
-  /// standard deviation is 0.7 (docs/reference/turntable-results.md has the comparison).
+  /// The defaults of the members but for these: landmarks are found by their patches, and a pixel's
+  /// standard deviation is 0.7 (docs/reference/turntable-results.md has the comparison). A place is
+  /// looked up with weak corners and few matches: what is found is a proposal, to be confirmed.
   struct Parameters {
     Parameters() {
       search.method = SearchMethod::kPatch;
       filter.sigma_px = 0.7F;
+      places.fast_threshold = 12;
+      places.min_score = 14;
+      places.max_capture_work = 11000;
+      places.max_pairs_per_step = 4096;
+      places.samples_per_step = 24;
+      places.ransac.min_inliers = 5;
+      places.ransac.inlier_px = 8.0F;
+      places.ransac.max_hypotheses = 300;
     }
     typename Filter::Parameters filter;
     SearchParameters search;
@@ -88,7 +102,9 @@ class HandheldTracker {
     int max_confirm_distance = 120;  ///< of their descriptors, steered as the pose has it
     int probation_frames = 10;       ///< tracked, until a place counts as found
     typename Places::Parameters places;
-    std::int64_t max_step_us = 500000;  ///< a longer gap is not integrated
+    int work_limit = 12000;              ///< units of WorkBudget a frame, drawing apart
+    int max_frames_without_mapping = 8;  ///< for want of work; then mapping gets half of a frame
+    std::int64_t max_step_us = 500000;   ///< a longer gap is not integrated
     std::uint64_t seed = 1;
   };
 
@@ -100,6 +116,10 @@ class HandheldTracker {
   /// kNoConsensus, kTimeGap or kLost, and the pose is the filter's best.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report);
+
+  /// Units of work that each frame may take from now on (FrameCut tells what it gave up for it).
+  /// An input like any other: logs record it. kInvalidArgument for a negative one.
+  Status set_work_limit(int units) { return work_.set_limit(units); }
 
   /// Draws the virtual objects of `augmenter` into `overlay` as this frame's pose sees them. Where
   /// it wants an object, one is placed first: on the plane of the landmarks where they have one,
@@ -156,7 +176,16 @@ class HandheldTracker {
 
   Status check_input(const ImageView& image, std::int64_t t_us);
   Status predict(std::int64_t t_us);
-  void update(FixedVector<PixelMatch<float>, kMaxFeatures>& matches, FrameReport& report);
+  void search(const ImageView& image, SearchPass pass,
+              FixedVector<PixelMatch<float>, kMaxFeatures>& matches, FrameReport& report);
+  int updating_work(int matches) const;
+  void afford_update(int first, FixedVector<PixelMatch<float>, kMaxFeatures>& matches,
+                     FrameReport& report);
+  void update(FixedVector<PixelMatch<float>, kMaxFeatures>& matches, int first,
+              FrameReport& report);
+  void note_inliers(const FixedVector<PixelMatch<float>, kMaxFeatures>& matches, int first,
+                    FrameReport& report);
+  void forget_searches();
   void remove_features(FrameReport& report);
   void add_features(const ImageView& image, FrameReport& report);
   void watch_start(FrameReport& report);
@@ -179,8 +208,6 @@ class HandheldTracker {
   bool come_back(const ImageView& image, FrameReport& report);
   bool confirm(const ImageView& image, float variance, Rigid<float>& T_world_camera,
                ComingBack& work);
-  void find_expected(const ImageView& image, const Rigid<float>& T_world_camera, int count,
-                     float variance, ComingBack& work);
   void take_back(const ImageView& image, const Rigid<float>& T_world_camera, const ComingBack& work,
                  FrameReport& report);
   bool object_place(Rigid<float>& T_world_object);
@@ -204,6 +231,8 @@ class HandheldTracker {
   Library library_;
   Health library_health_;
   Places places_;
+  bool place_found_ = false;  ///< to be confirmed
+  FrameWork work_;
   Random random_;
   Health health_;
   TrackingState state_ = TrackingState::kInitialising;

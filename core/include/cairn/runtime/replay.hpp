@@ -30,14 +30,12 @@ Status replay_odometry(const OdometrySample&, HandheldTracker<Config>&) {
   return Status::kOk;
 }
 
-/// The work that a frame of a log was allowed.
-template <class Config, class Filter>
-void replay_work_limit(const LogFrame& frame, VehicleTracker<Config, Filter>& tracker) {
-  const int own = typename VehicleTracker<Config, Filter>::Parameters{}.work_limit;
+/// The work that a frame of a log was allowed: its own limit, or the tracker's.
+template <class Tracker>
+void replay_work_limit(const LogFrame& frame, Tracker& tracker) {
+  const int own = typename Tracker::Parameters{}.work_limit;
   static_cast<void>(tracker.set_work_limit(frame.work_limit < 0 ? own : frame.work_limit));
 }
-template <class Config>
-void replay_work_limit(const LogFrame&, HandheldTracker<Config>&) {}
 
 /// Feeds everything of a report that the tracker decided (its ticks apart), or every counter, to a
 /// hash.

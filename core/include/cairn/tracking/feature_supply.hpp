@@ -42,6 +42,9 @@ class FeatureSupply {
     occupied_.clear();
   }
 
+  /// The most units of work that one cell takes.
+  int cell_work() const { return work::fast(cell_width_, cell_height_); }
+
   /// The same without a limit of work.
   int find(const ImageView& image, const Parameters& parameters, int wanted, Scratch& scratch,
            Corner* corners, Report& report) {
@@ -62,11 +65,10 @@ class FeatureSupply {
   /// many. Cost: cells_per_frame FAST windows of one cell.
   int find(const ImageView& image, const Parameters& parameters, int wanted, Scratch& scratch,
            Corner* corners, Report& report, WorkBudget& budget) {
-    const int cell_work = work::fast(cell_width_, cell_height_);
     int found = 0;
     for (int step = 0; step < kCells; ++step) {
       if (found >= wanted || report.cells_searched >= parameters.cells_per_frame) break;
-      if (!budget.affords(cell_work)) break;
+      if (!budget.affords(cell_work())) break;
       const int cell = next_;
       next_ = (next_ + kStride) % kCells;
       if (counts_[cell] > 0) continue;

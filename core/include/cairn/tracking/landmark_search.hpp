@@ -58,49 +58,72 @@ struct SearchTotals {
   int deferred = 0;  ///< in view, not searched: the frame's count or work was spent
 };
 
-/// Searches the filter's landmarks that are in view, the most uncertain first (largest det S: the
-/// most informative measurement), at most `max_searches` of them and no more than `budget` affords;
-/// the rest is deferred and counted: it waits for its turn while its S grows. The filter must offer
-/// size(), id(slot), predict(slot, prediction), camera() and T_world_camera().
-///
-/// Cost: one projection per landmark, an insertion sort of Capacity, `max_searches` calls of
-/// search_landmark.
+/// Which landmarks of a frame are searched: all, or after an update with what was found those that
+/// were left.
+enum class SearchPass : std::uint8_t { kAll, kRest };
+
+/// What is searched first where not all can be. The most uncertain (largest det S) is the most
+/// informative measurement; the best known has the smallest window, and tells the others' windows.
+enum class SearchOrder : std::uint8_t { kMostUncertain, kBestKnown };
+
+struct PlannedSearch {
+  PixelPrediction<float> prediction;
+  float priority = 0.0F;
+};
+
+/// The landmarks in view, the most uncertain first. Cost: one projection per landmark, an insertion
+/// sort of Capacity.
 template <class Filter, int Capacity>
-void search_landmarks(const ImageView& image, const Filter& filter, LandmarkTable<Capacity>& table,
-                      const SearchParameters& parameters, int max_searches, SearchScratch& scratch,
-                      FixedVector<PixelMatch<float>, Capacity>& matches, SearchTotals& totals,
-                      WorkBudget& budget) {
-  struct Planned {
-    PixelPrediction<float> prediction;
-    float priority = 0.0F;
-  };
+void plan_searches(const Filter& filter, SearchPass pass, LandmarkTable<Capacity>& table,
+                   FixedVector<PlannedSearch, Capacity>& plan) {
   const PinholeCamera<float> camera = filter.camera();
-  FixedVector<Planned, Capacity> plan;
   for (int slot = 0; slot < filter.size(); ++slot) {
     TrackedLandmark* landmark = table.find(filter.id(slot));
-    if (landmark == nullptr) continue;
+    if (landmark == nullptr || (pass == SearchPass::kRest && landmark->searched)) continue;
     landmark->searched = false;
-    Planned entry;
+    PlannedSearch entry;
     const bool visible =
         ok(filter.predict(slot, entry.prediction)) && camera.contains(entry.prediction.pixel, 2.0F);
-    if (!visible) {
-      ++landmark->frames_out_of_view;
-      continue;
+    if (pass == SearchPass::kAll) {
+      landmark->frames_out_of_view = visible ? 0 : landmark->frames_out_of_view + 1;
     }
-    landmark->frames_out_of_view = 0;
+    if (!visible) continue;
     const Matrix2<float>& s = entry.prediction.covariance;
     entry.priority = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
     plan.push_back(entry);
     for (int i = plan.size() - 1; i > 0 && plan[i - 1].priority < plan[i].priority; --i) {
-      const Planned swapped = plan[i];
+      const PlannedSearch swapped = plan[i];
       plan[i] = plan[i - 1];
       plan[i - 1] = swapped;
     }
   }
+}
+
+/// Searches the filter's landmarks that are in view, the most uncertain first, at most
+/// `max_searches` of them and no more than `budget` affords; where it does not suffice for all, in
+/// the order `when_cut`. The rest is deferred and counted: it waits for its turn while its S grows.
+/// The filter must offer size(), id(slot), predict(slot, prediction), camera() and
+/// T_world_camera().
+///
+/// Cost: plan_searches(), `max_searches` calls of search_landmark.
+template <class Filter, int Capacity>
+void search_landmarks(const ImageView& image, const Filter& filter, SearchPass pass,
+                      SearchOrder when_cut, LandmarkTable<Capacity>& table,
+                      const SearchParameters& parameters, int max_searches, SearchScratch& scratch,
+                      FixedVector<PixelMatch<float>, Capacity>& matches, SearchTotals& totals,
+                      WorkBudget& budget) {
+  const PinholeCamera<float> camera = filter.camera();
+  FixedVector<PlannedSearch, Capacity> plan;
+  plan_searches(filter, pass, table, plan);
+  int whole = 0;
+  for (const PlannedSearch& entry : plan) whole += most_search_work(entry.prediction, parameters);
+  const bool backwards = when_cut == SearchOrder::kBestKnown && !budget.affords(whole);
 
   const Rigid<float> T_world_camera = filter.T_world_camera();
-  for (const Planned& entry : plan) {
-    if (totals.searched >= max_searches || !budget.affords(work::kLandmarkSearch)) {
+  for (int i = 0; i < plan.size(); ++i) {
+    const PlannedSearch& entry = plan[backwards ? plan.size() - 1 - i : i];
+    if (totals.searched >= max_searches ||
+        !budget.affords(most_search_work(entry.prediction, parameters))) {
       ++totals.deferred;
       continue;
     }

@@ -14,8 +14,8 @@ namespace cairn {
 
 /// Finds the camera's place in a map library from one image, without any idea of it: corners spread
 /// over the whole image, upright descriptors, every library landmark compared with every one of
-/// them, P3P with RANSAC. The work is cut into steps, one a frame, of at most `max_pairs_per_step`
-/// comparisons or `samples_per_step` samples.
+/// them, P3P with RANSAC. The work is cut into steps of at most `max_pairs_per_step` comparisons or
+/// `samples_per_step` samples, of which a frame takes as many as its caller's budget affords.
 ///
 /// Descriptors are those of make_appearance(): upright, one scale. A vehicle's camera does not
 /// roll; a camera in the hand must be held within about 15 degrees of how the map was seen.
@@ -23,6 +23,7 @@ template <class Config>
 class Relocaliser {
  public:
   static constexpr int kMaxFeatures = Config::kPlaceFeatures;
+  static constexpr int kMaxMatches = Config::kPlaceMatches;
   using Scalar = typename Config::Scalar;
   using Matcher = LibraryMatcher<Config, kMaxFeatures>;
   static constexpr int kColumns = 8;
@@ -43,6 +44,8 @@ class Relocaliser {
     int min_score = 25;
     int margin_px = 34;
     int min_features = 12;  ///< fewer in an image: nothing to be recognised
+    /// Units of work; an image that has more in it (noise) is not gone through.
+    int max_capture_work = 4500;
     int max_pairs_per_step = 12288;
     int samples_per_step = 24;
     Scalar sigma_px = Scalar(1.5);
@@ -74,25 +77,24 @@ class Relocaliser {
       PlanarSighting sightings[kMaxNear];
     } near;
     struct Pose {
-      LibraryMatch matches[kMaxFeatures];
-      PoseObservation<Scalar> observations[kMaxFeatures];
+      LibraryMatch matches[kMaxMatches];
+      PoseObservation<Scalar> observations[kMaxMatches];
     } pose;
   };
 
   bool working() const { return working_; }
   void reset() { working_ = false; }
 
-  /// Units of work below which capture() is not worth a call.
-  static int capture_work(const ImageView& image) {
-    return kMaxFeatures * work::kDescriptor + work::fast(image.width, image.height) / 8;
+  /// Units of work below which capture() is not worth a call: what a quarter of the image takes.
+  static int least_capture_work(const ImageView& image) {
+    return kMaxFeatures * work::kDescriptor + work::fast(image.width, image.height, 0) / 4;
   }
   /// The most units of work that step() takes.
   static int step_work(const Parameters& parameters) {
-    constexpr int kPairsPerUnit = 4;
-    constexpr int kRefinement = 800;
-    constexpr int kSample = 30 + 4 * kMaxFeatures / 8;  // P3P, and four poses to score
-    const int match = parameters.max_pairs_per_step / kPairsPerUnit;
-    const int pose = kRefinement + parameters.samples_per_step * kSample;
+    const int match = match_work(parameters.max_pairs_per_step + kMaxFeatures,
+                                 parameters.max_pairs_per_step + kMaxFeatures);
+    const int pose = pose_work(parameters.samples_per_step, 4 * parameters.samples_per_step) +
+                     kMatchList + conclusion_work();
     return match > pose ? match : pose;
   }
 
@@ -111,18 +113,21 @@ class Relocaliser {
   bool look_near(const PlanarView& view, const PlanarPrior& prior, const Library& library,
                  const Parameters& parameters, Scratch& scratch);
 
-  /// Begins with an image. Cost: FAST over the image, cell by cell as far as `budget` goes (an
-  /// image of noise does not get through), at most kMaxFeatures descriptors.
+  /// Begins with an image. Cost: at most `max_capture_work` units, and no more than `budget` has,
+  /// for kMaxFeatures descriptors and for FAST cell by cell as far as they go.
   Outcome capture(const ImageView& image, const Parameters& parameters, Scratch& scratch,
                   WorkBudget& budget) {
     matcher_.clear();
     matched_ = false;
     search_ = PoseSearch<Scalar>();
     auto& corners = *new (&scratch.corners) typename Scratch::Corners();
-    budget.spend(kMaxFeatures * work::kDescriptor);
+    const int most = parameters.max_capture_work;
+    WorkBudget capturing(most < budget.left() ? most : budget.left());
+    capturing.spend(kMaxFeatures * work::kDescriptor);
     for (int i = 0; i < kCells; ++i) {
-      find_best(image, i * kStride % kCells, parameters, corners, budget);
+      find_best(image, i * kStride % kCells, parameters, corners, capturing);
     }
+    budget.spend(capturing.spent());
     // The best of every cell first: a full matcher is then spread over the whole image.
     for (int k = 0; k < kMaxPerCell; ++k) {
       for (int cell = 0; cell < kCells; ++cell) {
@@ -133,15 +138,19 @@ class Relocaliser {
     return working_ ? Outcome::kWorking : Outcome::kNothingToSee;
   }
 
-  /// Goes on, with the comparisons first, then with the samples. Cost: step_work().
+  /// Goes on, with the comparisons first, then with the samples. Cost: step_work() at most, what it
+  /// was from `budget`.
   template <class Library>
   Outcome step(const PinholeCamera<Scalar>& camera, const Library& library,
-               const Parameters& parameters, Random& random, Scratch& scratch) {
+               const Parameters& parameters, Random& random, Scratch& scratch, WorkBudget& budget) {
     if (!matched_) {
+      const int pairs = matcher_.pairs();
+      const int compared = matcher_.compared_whole();
       matched_ = matcher_.step(library, parameters.max_pairs_per_step, parameters.matcher);
+      budget.spend(match_work(matcher_.pairs() - pairs, matcher_.compared_whole() - compared));
       return Outcome::kWorking;
     }
-    const Outcome outcome = look_for_pose(camera, library, parameters, random, scratch);
+    const Outcome outcome = look_for_pose(camera, library, parameters, random, scratch, budget);
     working_ = outcome == Outcome::kWorking;
     return outcome;
   }
@@ -150,21 +159,36 @@ class Relocaliser {
   const Rigid<Scalar>& T_map_camera() const { return T_map_camera_; }
 
  private:
+  static constexpr int kMatchList = 160;  // units
+  static int match_work(int pairs, int compared) { return 1 + pairs / 12 + compared / 5; }
+  static int pose_work(int samples, int poses) {
+    constexpr int kSample = 5;  // P3P
+    constexpr int kMatchesPerUnit = 5;
+    return samples * kSample + poses * kMaxMatches / kMatchesPerUnit;
+  }
+  static constexpr int conclusion_work() { return 50 + 9 * kMaxMatches; }
+
   template <class Library>
   Outcome look_for_pose(const PinholeCamera<Scalar>& camera, const Library& library,
-                        const Parameters& parameters, Random& random, Scratch& scratch) {
+                        const Parameters& parameters, Random& random, Scratch& scratch,
+                        WorkBudget& budget) {
     auto& pose = *new (&scratch.pose) typename Scratch::Pose();
     LibraryMatch* matches = pose.matches;
     PoseObservation<Scalar>* observations = pose.observations;
-    const int count = matcher_.matches(parameters.matcher, matches, kMaxFeatures);
+    const int count = matcher_.matches(parameters.matcher, matches, kMaxMatches);
     const int usable =
         to_observations(library, matcher_, matches, count, parameters.sigma_px, observations);
+    budget.spend(kMatchList);
     if (usable < parameters.ransac.min_inliers) return Outcome::kFailed;
+    const int samples = search_.hypotheses;
+    const int poses = search_.poses;
     bool done = false;
     const Status searched = search_pose(camera, observations, usable, parameters.ransac,
                                         parameters.samples_per_step, random, search_, done);
+    budget.spend(pose_work(search_.hypotheses - samples, search_.poses - poses));
     if (!ok(searched)) return Outcome::kFailed;
     if (!done) return Outcome::kWorking;
+    budget.spend(conclusion_work());
     PoseEstimate<Scalar> estimate;
     PoseRansacReport<Scalar> report;
     const Status concluded = conclude_pose(camera, observations, usable, parameters.ransac, search_,

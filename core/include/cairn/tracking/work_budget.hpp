@@ -61,6 +61,20 @@ inline int planar_update(int states, int candidates, int hypotheses, int used) {
   return look + gains + passes * (states * states / 90);
 }
 
+inline constexpr int kRefinement = 400;  ///< refine_pose() with 24 points, 8 iterations
+inline constexpr int kMonoFrame = 120;   ///< MonoEkf's prediction, plan, reports
+inline constexpr int kBirth = 40;        ///< MonoEkf::add_feature()
+inline constexpr int kArchiving = 30;    ///< of a MonoEkf feature
+
+/// MonoEkf::update() with `features` in the map, `hypotheses` of `matches`, and `used` of them.
+inline constexpr int mono_update(int states, int features, int matches, int hypotheses, int used) {
+  const int look = 20 + features + matches * (3 + states / 18);
+  const int tried = hypotheses * (5 + states / 8 + matches / 2);
+  const int gains = used * (7 + states / 7);
+  const int passes = used > 0 ? 2 + used / 4 : 0;
+  return look + tried + gains + passes * (states * states / 110);
+}
+
 }  // namespace work
 
 }  // namespace cairn

@@ -168,10 +168,11 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   matches.clear();
   SearchTotals totals;
   WorkBudget searching(searching_work());
-  search_landmarks(image, View{*this}, table_, parameters_.search, searches_planned(),
-                   scratch_.search, matches, totals, searching);
+  search_landmarks(image, View{*this}, SearchPass::kAll, SearchOrder::kMostUncertain, table_,
+                   parameters_.search, searches_planned(), scratch_.search, matches, totals,
+                   searching);
   work_.spend(searching.spent());
-  if (totals.deferred > 0 && !searching.affords(work::kLandmarkSearch)) {
+  if (totals.deferred > 0 && totals.searched < searches_planned()) {
     report.cut = totals.searched > 0 ? FrameCut::kFewerUpdates : FrameCut::kPredictionOnly;
   }
   report.corners = totals.corners;

@@ -174,7 +174,7 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     return;
   }
   if (!places_.working()) {
-    captured_ = !captured_ && work_.affords(Places::capture_work(image));
+    captured_ = !captured_ && work_.affords(Places::least_capture_work(image));
     if (!captured_) return;
     T_world_camera_captured_ = T_world_camera();
     prior_captured_ = {filter_.mean_pose(), filter_.pose_covariance()};
@@ -194,9 +194,9 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     note_unrecognised(library);
     return;
   }
-  if (!take(Places::step_work(parameters_.places))) return;
+  if (!work_.affords(Places::step_work(parameters_.places))) return;
   const Outcome outcome =
-      places_.step(camera_, library, parameters_.places, random_, scratch_.places);
+      places_.step(camera_, library, parameters_.places, random_, scratch_.places, work_);
   if (outcome == Outcome::kFailed) note_unrecognised(library);
   if (outcome != Outcome::kFound) return;
   place_found_ = plausible(places_.T_map_camera());
@@ -262,6 +262,7 @@ template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Library& library,
                                              Map& map, FrameReport& report) {
   constexpr int kMinFound = 6;
+  constexpr float kWindowVariance = 16.0F;  // px^2: the pose found, and the way made since
   const Rigid<float> T_map_camera =
       places_.T_map_camera() * (T_world_camera_captured_.inverse() * T_world_camera());
   VisibilityOptions<float> options;
@@ -271,7 +272,9 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
   work_.spend(library.size() * work::kLibrarySlot);
   const int count = find_visible(library, camera_, T_map_camera, options, Span<LandmarkId>{},
                                  memory.visible, kReentryCandidates);
-  find_expected(image, library, T_map_camera, count, memory);
+  static_cast<void>(search_expected(image, camera_, T_map_camera, library, memory.visible, count,
+                                    kWindowVariance, parameters_.search, memory.search,
+                                    memory.matches, work_));
   if (memory.matches.size() < kMinFound || 2 * memory.matches.size() < count) return false;
 
   make_room(map, memory.matches.size() + 2, kMaxLandmarks, report);
@@ -296,44 +299,6 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
   report.inliers = 0;
   for (const LandmarkId id : memory.entered) remove_landmark(filter_.find(id), report);
   return false;
-}
-
-/// Fills `matches` with those of the first `count` visible landmarks that the image shows near
-/// their place; their slots are the library's.
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::find_expected(const ImageView& image, const Library& library,
-                                                 const Rigid<float>& T_map_camera, int count,
-                                                 ComingBack& memory) {
-  constexpr float kWindowVariance = 16.0F;  // px^2: the pose found, and the way made since
-  for (int i = 0; i < count; ++i) {
-    const VisibleLandmark<float>& visible = memory.visible[i];
-    const LandmarkView<float>& view = library[visible.slot].views[0];
-    PixelPrediction<float> prediction;
-    prediction.id = visible.id;
-    prediction.pixel = visible.prediction.pixel;
-    prediction.p_camera = visible.prediction.p_camera;
-    prediction.covariance = Matrix2<float>::Identity() * kWindowVariance;
-    Appearance appearance;
-    appearance.has_patch = false;
-    appearance.descriptor = view.descriptor;
-    appearance.scale_index = view.pose.scale_index;
-    Matrix2<float> warp;
-    PixelMatch<float> match;
-    SearchReport search;
-    if (!work_.affords(work::kLandmarkSearch)) return;
-    if (!ok(predict_warp(camera_, view.T_world_reference, T_map_camera, prediction.p_camera,
-                         warp))) {
-      continue;
-    }
-    const Status status = search_landmark(image, prediction, appearance, warp, parameters_.search,
-                                          memory.search, match.pixel, search);
-    work_.spend(search.work);
-    if (!ok(status)) continue;
-    match.id = visible.id;
-    match.slot = visible.slot;
-    match.descriptor_distance = search.distance;
-    memory.matches.push_back(match);
-  }
 }
 
 }  // namespace cairn

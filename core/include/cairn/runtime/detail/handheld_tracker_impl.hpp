@@ -28,6 +28,8 @@ Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
   library_.clear();
   library_health_ = Health{};
   places_.reset();
+  place_found_ = false;
+  work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   return Status::kOk;
 }
 
@@ -73,6 +75,7 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   report.t_us = t_us;
   const std::uint32_t start = ticks.now();
   supply_.begin(image.width, image.height);
+  work_.begin(work::kMonoFrame + work::kProjection * filter_.feature_count());
   report.stage_ticks[static_cast<int>(Stage::kPreprocess)] = ticks.now() - start;
   if (state_ == TrackingState::kLost) {
     const std::uint32_t prepared = ticks.now();
@@ -86,6 +89,7 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   has_frame_ = true;
   report.T_world_camera = filter_.T_world_camera();
   report.landmarks = filter_.feature_count();
+  work_.end(report, health_);
   return report.status;
 }
 
@@ -97,19 +101,15 @@ void HandheldTracker<Config>::track(const ImageView& image, std::int64_t t_us,
   const std::uint32_t predicted = ticks.now();
 
   FixedVector<PixelMatch<float>, kMaxFeatures> matches;
-  SearchTotals totals;
-  WorkBudget unlimited;
-  search_landmarks(image, View{filter_}, table_, parameters_.search, parameters_.max_searches,
-                   scratch_.search, matches, totals, unlimited);
-  report.corners = totals.corners;
-  report.candidates = totals.descriptors;
-  report.searched = totals.searched;
-  report.matches = matches.size();
-  health_.searches_deferred += static_cast<std::uint32_t>(totals.deferred);
-  health_.corners_dropped += static_cast<std::uint32_t>(totals.corners_dropped);
+  search(image, SearchPass::kAll, matches, report);
   const std::uint32_t searched = ticks.now();
 
-  update(matches, report);
+  update(matches, 0, report);
+  if (report.deferred > 0 && report.inliers >= parameters_.min_inliers) {
+    const int first = matches.size();
+    search(image, SearchPass::kRest, matches, report);
+    update(matches, first, report);
+  }
   judge(report);
   if (weak_frames_ == 0) {
     archive(matches);
@@ -124,6 +124,56 @@ void HandheldTracker<Config>::track(const ImageView& image, std::int64_t t_us,
   report.stage_ticks[static_cast<int>(Stage::kPoseUpdate)] = updated - searched;
 }
 
+/// Where the frame's work does not suffice for all windows (after a fast movement), the best known
+/// landmarks come first, and the rest once they have told where to look.
+template <class Config>
+void HandheldTracker<Config>::search(const ImageView& image, SearchPass pass,
+                                     FixedVector<PixelMatch<float>, kMaxFeatures>& matches,
+                                     FrameReport& report) {
+  SearchTotals totals;
+  totals.searched = report.searched;
+  const int left = filter_.feature_count() - report.searched;
+  WorkBudget searching(work_.for_searches(0, updating_work(left)));
+  const SearchOrder order =
+      pass == SearchPass::kAll ? SearchOrder::kBestKnown : SearchOrder::kMostUncertain;
+  search_landmarks(image, View{filter_}, pass, order, table_, parameters_.search,
+                   parameters_.max_searches, scratch_.search, matches, totals, searching);
+  work_.budget().spend(searching.spent());
+  report.cut = FrameCut::kNone;
+  if (totals.deferred > 0 && totals.searched < parameters_.max_searches) {
+    report.cut = totals.searched > 0 ? FrameCut::kFewerUpdates : FrameCut::kPredictionOnly;
+  }
+  report.corners += totals.corners;
+  report.candidates += totals.descriptors;
+  report.searched = totals.searched;
+  report.matches = matches.size();
+  report.deferred = totals.deferred;
+  health_.corners_dropped += static_cast<std::uint32_t>(totals.corners_dropped);
+}
+
+template <class Config>
+int HandheldTracker<Config>::updating_work(int matches) const {
+  const int most = parameters_.filter.ransac.max_hypotheses;
+  return work::mono_update(filter_.state_size(), filter_.feature_count(), matches,
+                           matches < most ? matches : most, matches);
+}
+
+/// Leaves out the last matches from `first` on until the update can be paid.
+template <class Config>
+void HandheldTracker<Config>::afford_update(int first,
+                                            FixedVector<PixelMatch<float>, kMaxFeatures>& matches,
+                                            FrameReport& report) {
+  while (matches.size() > first && !work_.affords(updating_work(matches.size() - first))) {
+    if (TrackedLandmark* landmark = table_.find(matches[matches.size() - 1].id)) {
+      --landmark->predicted;
+      --landmark->misses;
+    }
+    matches.pop_back();
+    ++report.deferred;
+    if (report.cut < FrameCut::kFewerUpdates) report.cut = FrameCut::kFewerUpdates;
+  }
+}
+
 /// After blind frames the windows have grown, and a few landmarks are found by chance.
 template <class Config>
 bool HandheldTracker<Config>::plausible(const FrameReport& report) const {
@@ -132,29 +182,49 @@ bool HandheldTracker<Config>::plausible(const FrameReport& report) const {
   return report.matches >= parameters_.min_inliers && static_cast<float>(report.matches) >= least;
 }
 
-/// A frame in which too little fits together says nothing against a landmark that was not found.
+/// With the matches from `first` on.
 template <class Config>
 void HandheldTracker<Config>::update(FixedVector<PixelMatch<float>, kMaxFeatures>& matches,
-                                     FrameReport& report) {
-  const int used = plausible(report) ? matches.size() : 0;
-  const Status status = filter_.update(matches.data(), used, random_, report.update);
-  if (!ok(status) && used > 0 && ok(report.status)) report.status = status;
-  for (int i = 0; i < used; ++i) report.inliers += ok(status) && matches[i].inlier ? 1 : 0;
-  if (report.inliers < parameters_.min_inliers && state_ != TrackingState::kInitialising) {
-    for (TrackedLandmark& landmark : table_) {
-      if (!landmark.searched) continue;
-      --landmark.predicted;
-      --landmark.misses;
-    }
-    return;
+                                     int first, FrameReport& report) {
+  const bool usable = first > 0 || plausible(report);
+  if (usable) afford_update(first, matches, report);
+  const int used = usable ? matches.size() - first : 0;
+  UpdateReport of_these;
+  const Status status = filter_.update(matches.data() + first, used, random_, of_these);
+  work_.budget().spend(work::mono_update(filter_.state_size(), filter_.feature_count(), used,
+                                         of_these.hypotheses, of_these.nis_dof / 2));
+  if (!ok(status) && used > 0 && first == 0 && ok(report.status)) report.status = status;
+  for (int i = first; i < first + used; ++i) {
+    report.inliers += ok(status) && matches[i].inlier ? 1 : 0;
   }
-  for (int i = 0; i < used; ++i) {
+  add(of_these, report.update);
+  if (report.inliers >= parameters_.min_inliers || state_ == TrackingState::kInitialising) {
+    note_inliers(matches, first, report);
+  } else {
+    forget_searches();
+  }
+}
+
+template <class Config>
+void HandheldTracker<Config>::note_inliers(
+    const FixedVector<PixelMatch<float>, kMaxFeatures>& matches, int first, FrameReport& report) {
+  for (int i = first; i < matches.size(); ++i) {
     if (!matches[i].inlier) continue;
     TrackedLandmark* landmark = table_.find(matches[i].id);
     if (landmark == nullptr) continue;
     ++landmark->measured;
     landmark->misses = 0;
     report.from_library += landmark->from_library ? 1 : 0;
+  }
+}
+
+/// A frame in which too little fits together says nothing against a landmark that was not found.
+template <class Config>
+void HandheldTracker<Config>::forget_searches() {
+  for (TrackedLandmark& landmark : table_) {
+    if (!landmark.searched) continue;
+    --landmark.predicted;
+    --landmark.misses;
   }
 }
 
@@ -168,6 +238,7 @@ void HandheldTracker<Config>::remove_features(FrameReport& report) {
         !unknown && landmark->predicted >= 5 && 2 * landmark->measured < landmark->predicted;
     const bool gone = !unknown && (landmark->frames_out_of_view > 10 || landmark->misses > 10);
     if (!unknown && !poor && !gone) continue;
+    if (!work_.take(work::kRemoval)) return;
     if (gone && start_is_over() && landmark->measured >= parameters_.min_sightings_to_store) {
       store(slot, *landmark, shared_depth_variance());
     }
@@ -190,14 +261,15 @@ void HandheldTracker<Config>::add_features(const ImageView& image, FrameReport& 
   const int limit =
       room < parameters_.max_births_per_frame ? room : parameters_.max_births_per_frame;
   if (limit <= 0) return;
+  if (!work_.affords(supply_.cell_work())) work_.cut_mapping();
   Corner corners[Supply::kCells];
   typename Supply::Report supplied;
-  const int found =
-      supply_.find(image, parameters_.supply, limit, scratch_.supply, corners, supplied);
+  const int found = supply_.find(image, parameters_.supply, limit, scratch_.supply, corners,
+                                 supplied, work_.budget());
   report.corners += supplied.corners;
   health_.corners_dropped += static_cast<std::uint32_t>(supplied.corners_dropped);
   const Rigid<float> T_world_camera = filter_.T_world_camera();
-  for (int i = 0; i < found; ++i) {
+  for (int i = 0; i < found && work_.take(work::kAppearance + work::kBirth); ++i) {
     TrackedLandmark landmark;
     landmark.id = next_id_;
     if (!ok(make_appearance(image, corners[i].x, corners[i].y, T_world_camera,
@@ -223,10 +295,12 @@ void HandheldTracker<Config>::judge(FrameReport& report) {
     if (probation_ > 0) --probation_;
     state_ = probation_ > 0 ? TrackingState::kUncertain : TrackingState::kTracking;
   } else if (state_ != TrackingState::kInitialising) {
-    ++weak_frames_;
+    // A frame that did not look tells nothing of the map.
+    if (report.cut != FrameCut::kPredictionOnly) ++weak_frames_;
     state_ = TrackingState::kUncertain;
     // A place found that cannot be followed was none.
-    if (probation_ > 0 || weak_frames_ > parameters_.uncertain_frames_to_lost) lose(report);
+    const bool refuted = probation_ > 0 && report.cut != FrameCut::kPredictionOnly;
+    if (refuted || weak_frames_ > parameters_.uncertain_frames_to_lost) lose(report);
   }
   if (report.searched > 0 && report.matches < parameters_.min_inliers) {
     ++health_.low_texture_frames;
@@ -248,6 +322,7 @@ void HandheldTracker<Config>::lose(FrameReport& report) {
   report.state = state_;
   report.status = Status::kLost;
   places_.reset();
+  place_found_ = false;
 }
 
 /// A match that was refused counts with the gate, so that refusing them does not hide a misfit.

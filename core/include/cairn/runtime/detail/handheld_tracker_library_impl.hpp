@@ -13,6 +13,7 @@ Status HandheldTracker<Config>::load_map(const ByteSource& source, MapFileInfo& 
   static_cast<void>(filter_.restart(Rigid<float>()));
   table_.clear();
   places_.reset();
+  place_found_ = false;
   weak_frames_ = 0;
   probation_ = 0;
   start_.frames = parameters_.start_blocks * parameters_.start_block_frames;
@@ -31,6 +32,7 @@ void HandheldTracker<Config>::archive(const FixedVector<PixelMatch<float>, kMaxF
   for (const PixelMatch<float>& match : matches) {
     TrackedLandmark* landmark = match.inlier ? table_.find(match.id) : nullptr;
     if (landmark == nullptr || stored == kMaxStored || !is_due(*landmark)) continue;
+    if (!work_.take(work::kArchiving)) return;
     if (shared < 0.0F) shared = shared_depth_variance();
     store(filter_.find(match.id), *landmark, shared);
     ++stored;
@@ -103,8 +105,8 @@ void HandheldTracker<Config>::store(int slot, TrackedLandmark& landmark, float s
   landmark.stored = true;
 }
 
-/// One step towards the place: an image is taken; in the next frame it is compared with the
-/// library, and a pose that comes of it must be confirmed by that frame's image.
+/// Steps towards the place, as many as the frame's work affords: an image is taken and compared
+/// with the library, and a pose that comes of it must be confirmed by the image of a later frame.
 template <class Config>
 void HandheldTracker<Config>::look_up(const ImageView& image, FrameReport& report) {
   report.state = state_;
@@ -112,14 +114,20 @@ void HandheldTracker<Config>::look_up(const ImageView& image, FrameReport& repor
     begin_anew(image, report);
     return;
   }
+  constexpr int kConfirmation = 6000;  // units that are worth a try: most confirmations take less
   const typename Places::Parameters& p = parameters_.places;
-  if (!places_.working()) {
-    static_cast<void>(places_.begin(image, library_, p, scratch_.places));
-    return;
+  const bool resumed = places_.working() || place_found_;
+  if (!resumed) {
+    if (!work_.affords(Places::least_capture_work(image))) return;
+    static_cast<void>(places_.capture(image, p, scratch_.places, work_.budget()));
   }
-  if (places_.finish(camera_, library_, p, random_, scratch_.places) && !come_back(image, report)) {
-    ++health_.false_relocalisations_refused;
+  while (places_.working() && work_.affords(Places::step_work(p))) {
+    place_found_ = places_.step(camera_, library_, p, random_, scratch_.places, work_.budget()) ==
+                   Places::Outcome::kFound;
   }
+  if (!resumed || !place_found_ || !work_.affords(kConfirmation)) return;
+  place_found_ = false;
+  if (!come_back(image, report)) ++health_.false_relocalisations_refused;
 }
 
 /// A map too small to be found again is given up, once there is something to see.
@@ -165,9 +173,16 @@ bool HandheldTracker<Config>::confirm(const ImageView& image, float variance,
   options.min_cosine = 0.85F;
   const int count = find_visible(library_, camera_, T_world_camera, options, Span<LandmarkId>{},
                                  work.visible, kReturning);
-  find_expected(image, T_world_camera, count, variance, work);
+  SearchParameters search = parameters_.search;
+  search.method = SearchMethod::kDescriptor;
+  search.fast_threshold = parameters_.places.fast_threshold;
+  search.max_distance = parameters_.max_confirm_distance;
+  work.matches.clear();
+  const int looked_for =
+      search_expected(image, camera_, T_world_camera, library_, work.visible, count, variance,
+                      search, work.search, work.matches, work_.budget());
   const int found = work.matches.size();
-  const float least = parameters_.min_found_share * static_cast<float>(count);
+  const float least = parameters_.min_found_share * static_cast<float>(looked_for);
   if (found < parameters_.min_found || static_cast<float>(found) < least) return false;
   for (int i = 0; i < found; ++i) {
     const LibraryLandmark& landmark = library_[work.matches[i].slot];
@@ -177,48 +192,10 @@ bool HandheldTracker<Config>::confirm(const ImageView& image, float variance,
   refinement.max_iterations = 8;
   refinement.min_inliers = parameters_.min_found;
   PoseEstimate<float> estimate;
+  work_.budget().spend(work::kRefinement);
   return ok(refine_pose(camera_, work.observations, found, refinement, T_world_camera, estimate,
                         work.inlier)) &&
          static_cast<float>(estimate.inliers) >= least;
-}
-
-/// Fills `matches` with those of the first `count` visible landmarks that the image shows near
-/// their place.
-template <class Config>
-void HandheldTracker<Config>::find_expected(const ImageView& image,
-                                            const Rigid<float>& T_world_camera, int count,
-                                            float variance, ComingBack& work) {
-  SearchParameters search = parameters_.search;
-  search.method = SearchMethod::kDescriptor;
-  search.fast_threshold = parameters_.places.fast_threshold;
-  search.max_distance = parameters_.max_confirm_distance;
-  work.matches.clear();
-  for (int i = 0; i < count; ++i) {
-    const VisibleLandmark<float>& visible = work.visible[i];
-    const LandmarkView<float>& view = library_[visible.slot].views[0];
-    PixelPrediction<float> prediction;
-    prediction.id = visible.id;
-    prediction.pixel = visible.prediction.pixel;
-    prediction.p_camera = visible.prediction.p_camera;
-    prediction.covariance = Matrix2<float>::Identity() * variance;
-    Appearance appearance;
-    appearance.has_patch = false;
-    appearance.descriptor = view.descriptor;
-    appearance.scale_index = view.pose.scale_index;
-    Matrix2<float> warp;
-    PixelMatch<float> match;
-    SearchReport found;
-    if (!ok(predict_warp(camera_, view.T_world_reference, T_world_camera, prediction.p_camera,
-                         warp)) ||
-        !ok(search_landmark(image, prediction, appearance, warp, search, work.search, match.pixel,
-                            found))) {
-      continue;
-    }
-    match.id = visible.id;
-    match.slot = visible.slot;
-    match.descriptor_distance = found.distance;
-    work.matches.push_back(match);
-  }
 }
 
 /// Puts the landmarks found into the filter, at their distance in the map: its scale goes on.
@@ -230,6 +207,7 @@ void HandheldTracker<Config>::take_back(const ImageView& image, const Rigid<floa
   table_.clear();
   for (int i = 0; i < work.matches.size(); ++i) {
     if (work.inlier[i] == 0) continue;
+    if (!work_.take(work::kAppearance + work::kBirth)) break;
     const PixelMatch<float>& match = work.matches[i];
     const LibraryLandmark& archived = library_[match.slot];
     const Vector3<float> ray = archived.p_world - T_world_camera.translation;
