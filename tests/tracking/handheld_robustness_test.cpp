@@ -71,7 +71,7 @@ TEST_F(HandheldInATrickyPlace, TilesThatAllLookAlikeMakeItJumpNowhere) {
   test::PlaneScene near_tiles(1.2, 0.13, 7);
   far_tiles.repeat(1);
   near_tiles.repeat(1);
-  for (int k = 0; k < 120; ++k) {
+  for (int k = 0; k < 95; ++k) {
     step(test::render_walls(test::two_walls_pose(k), far_tiles, near_tiles), k);
   }
   EXPECT_LT(worst_jump_, 3.0);
@@ -82,7 +82,7 @@ TEST_F(HandheldInATrickyPlace, TilesThatAllLookAlikeMakeItJumpNowhere) {
 TEST_F(HandheldInATrickyPlace, AMovingThingDoesNotTakeItAlong) {
   const test::PlaneScene thing(0.9, 0.12, 5);
   const PinholeCamera<double> camera = test::small_camera();
-  for (int k = 0; k < 120; ++k) {
+  for (int k = 0; k < 95; ++k) {
     Image image = test::two_walls(k);
     if (k > kWarm) {
       const Image moving = thing.render(
