@@ -246,7 +246,8 @@ class MonoEkf {
   Layout layout_;
   T x_[kMaxStates] = {};
   Covariance covariance_;
-  T pending_[kPendingPairs][2][kMaxStates] = {};        ///< scratch of an update: V of P - V^T V
+  /// Scratch: V of P - V^T V in an update, H P where a block is born or rewritten.
+  T scratch_[2 * kPendingPairs][kMaxStates] = {};
   PackedSymmetric<T, kMaxCameraStates> process_noise_;  ///< Q of the last prediction
   Feature features_[MaxFeatures];
   Anchor anchors_[MaxAnchors];

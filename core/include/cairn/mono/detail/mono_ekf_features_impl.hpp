@@ -113,8 +113,7 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::append_feature(const Rows3& rows, cons
   Matrix3<T> noise3 = Matrix3<T>::Zero();
   noise3.template topLeftCorner<2, 2>() = noise;
   noise3(2, 2) = square(sigma);
-  T scratch[3][kMaxStates];
-  mono::compose_block(covariance_, covariance_.size(), rows, noise3, scratch);
+  mono::compose_block(covariance_, covariance_.size(), rows, noise3, scratch_);
   if (!with_depth) covariance_.resize(covariance_.size() - 1);
 }
 
@@ -139,8 +138,7 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::anchor_for_birth() {
     const int at = anchors_[anchor].at;
     Rows3 rows;
     add_position_run(rows, Matrix3<T>(Matrix3<T>::Identity()));
-    T scratch[3][kMaxStates];
-    mono::compose_block(covariance_, at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch);
+    mono::compose_block(covariance_, at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch_);
     const Vector3<T> position = position_at(x_);
     for (int i = 0; i < 3; ++i) x_[at + i] = position(i);
     frame_anchor_ = anchor;
@@ -179,8 +177,7 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::move_to_camera(Feature& feature) {
   wrt_feature.col(2) = wrt_w * offset;
   wrt_feature(2, 2) += T(1) / length;
   rows.add_run(feature.at, wrt_feature);
-  T scratch[3][kMaxStates];
-  mono::compose_block(covariance_, feature.at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch);
+  mono::compose_block(covariance_, feature.at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch_);
   x_[feature.at] = T(0);
   x_[feature.at + 1] = T(0);
   x_[feature.at + 2] = rho / length;
@@ -318,8 +315,7 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::convert_to_point(Feature& feature) {
   Vector3<T> p_world;
   Rows3 rows;
   point_rows(feature, p_world, rows);
-  T scratch[3][kMaxStates];
-  mono::compose_block(covariance_, feature.at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch);
+  mono::compose_block(covariance_, feature.at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch_);
   for (int i = 0; i < 3; ++i) x_[feature.at + i] = p_world(i);
   feature.kind = FeatureKind::kPoint;
   const int anchor = feature.anchor;

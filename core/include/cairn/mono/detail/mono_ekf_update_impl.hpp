@@ -131,9 +131,9 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count
     Vector2<T> pixel;
     Rows2 rows;
     if (!use[m] || !ok(linearise(matches[m].slot, pixel, rows))) continue;
-    T(&gain)[2][kMaxStates] = pending_[pairs];
+    T(*const gain)[kMaxStates] = scratch_ + 2 * pairs;
     mono::multiply(rows, covariance_, gain);
-    for (int k = 0; k < pairs; ++k) mono::subtract_pending(rows, pending_[k], n, gain);
+    for (int k = 0; k < pairs; ++k) mono::subtract_pending(rows, scratch_ + 2 * k, n, gain);
     const T nu0 = matches[m].pixel.x() - pixel.x() - rows.dot(0, delta);
     const T nu1 = matches[m].pixel.y() - pixel.y() - rows.dot(1, delta);
     const T s00 = rows.dot(0, gain[0]) + variance;
@@ -160,12 +160,12 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count
     matches[m].inlier = true;
     ++used;
     if (++pairs == kPendingPairs) {
-      covariance_.template downdate<2 * kPendingPairs, kMaxStates>(pending_[0][0]);
+      covariance_.template downdate<2 * kPendingPairs, kMaxStates>(scratch_[0]);
       pairs = 0;
     }
   }
   for (int k = 0; k < pairs; ++k) {
-    covariance_.template downdate<2, kMaxStates>(pending_[k][0]);
+    covariance_.template downdate<2, kMaxStates>(scratch_[2 * k]);
   }
   if (used > 0) correct_state(delta);
   return used;

@@ -54,7 +54,7 @@ namespace detail {
 /// out[r][i] += sum_c h[r][c] * element(c). Every element is read once and before any result is
 /// written; written out by the pack, so that the coefficients stay in registers.
 template <int Rows, class T, int Size, int N, class Element, int... C>
-void accumulate(const T (&h)[Rows][Size], int i, const Element& element, T (&out)[Rows][N],
+void accumulate(const T (&h)[Rows][Size], int i, const Element& element, T (*out)[N],
                 std::integer_sequence<int, C...>) {
   const T p[Size] = {element(C)...};
   T sums[Rows];
@@ -68,7 +68,7 @@ void accumulate(const T (&h)[Rows][Size], int i, const Element& element, T (&out
 /// out[r][i] += sum_c H(r, k + c) P(first + c, i) for the columns of one run.
 template <int Size, class T, int Rows, int N>
 void multiply_run(const SparseRows<T, Rows>& rows, int first, int k, const PackedSymmetric<T, N>& p,
-                  T (&out)[Rows][N]) {
+                  T (*out)[N]) {
   constexpr auto kColumns = std::make_integer_sequence<int, Size>{};
   T h[Rows][Size];
   for (int r = 0; r < Rows; ++r) {
@@ -95,10 +95,10 @@ void multiply_run(const SparseRows<T, Rows>& rows, int first, int k, const Packe
 
 }  // namespace detail
 
-/// out[r][i] = sum_j H(r, j) P(j, i). Domain: runs of 1 to 4, 7 or 8 columns. Cost: Rows * columns
-/// * n multiply-adds.
+/// out[r][i] = sum_j H(r, j) P(j, i), `out` of Rows rows. Domain: runs of 1 to 4, 7 or 8 columns.
+/// Cost: Rows * columns * n multiply-adds.
 template <class T, int Rows, int N>
-void multiply(const SparseRows<T, Rows>& rows, const PackedSymmetric<T, N>& p, T (&out)[Rows][N]) {
+void multiply(const SparseRows<T, Rows>& rows, const PackedSymmetric<T, N>& p, T (*out)[N]) {
   const int n = p.size();
   for (int r = 0; r < Rows; ++r) {
     for (int i = 0; i < n; ++i) out[r][i] = T(0);
@@ -133,9 +133,10 @@ void multiply(const SparseRows<T, Rows>& rows, const PackedSymmetric<T, N>& p, T
   }
 }
 
-/// out -= (H V^T) V for two rows V of a product V^T V that P still lacks. Cost: 4 n multiply-adds.
+/// out -= (H V^T) V for two rows V of a product V^T V that P still lacks, `out` of two rows. Cost:
+/// 4 n multiply-adds.
 template <class T, int N>
-void subtract_pending(const SparseRows<T, 2>& rows, const T (&v)[2][N], int n, T (&out)[2][N]) {
+void subtract_pending(const SparseRows<T, 2>& rows, const T (*v)[N], int n, T (*out)[N]) {
   const T c00 = rows.dot(0, v[0]);
   const T c01 = rows.dot(0, v[1]);
   const T c10 = rows.dot(1, v[0]);
@@ -187,10 +188,10 @@ Matrix<T, Rows, Rows> quadratic(const SparseRows<T, Rows>& rows, const PackedSym
 
 /// P becomes that of the state whose block [at, at + Rows) is replaced by `rows` * state plus an
 /// independent noise of covariance `noise`; where `at` is the present size, the block is appended.
-/// `scratch` holds Rows * n values.
+/// `scratch` has Rows rows.
 template <class T, int Rows, int N>
 void compose_block(PackedSymmetric<T, N>& p, int at, const SparseRows<T, Rows>& rows,
-                   const Matrix<T, Rows, Rows>& noise, T (&scratch)[Rows][N]) {
+                   const Matrix<T, Rows, Rows>& noise, T (*scratch)[N]) {
   multiply(rows, p, scratch);
   Matrix<T, Rows, Rows> diagonal;
   for (int r = 0; r < Rows; ++r) {
