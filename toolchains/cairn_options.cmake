@@ -8,7 +8,8 @@ target_compile_options(cairn_numerics INTERFACE
   $<$<COMPILE_LANGUAGE:CXX>:-ffp-contract=off -fno-fast-math -fno-math-errno>)
 target_compile_definitions(cairn_numerics INTERFACE
   EIGEN_DONT_VECTORIZE EIGEN_MAX_ALIGN_BYTES=0 EIGEN_DONT_PARALLELIZE EIGEN_NO_IO EIGEN_MPL2_ONLY
-  EIGEN_STACK_ALLOCATION_LIMIT=0)
+  EIGEN_STACK_ALLOCATION_LIMIT=0
+  $<$<STREQUAL:${CMAKE_SYSTEM_NAME},Generic>:EIGEN_NO_DEBUG>)  # its assertions need stdio, and that a heap
 
 add_library(cairn_warnings INTERFACE)
 target_compile_options(cairn_warnings INTERFACE
@@ -18,11 +19,10 @@ if(CAIRN_WERROR)
   target_compile_options(cairn_warnings INTERFACE -Werror)
 endif()
 
-# cairn_bare_metal: what firmware adds. Heap calls are compile errors, Eigen's assertions (which need
-# stdio) are off, and GCC writes the call graph with stack sizes that tests/gates read.
+# cairn_bare_metal: what the boards of toolchains/ add. Heap calls are compile errors, and GCC writes the
+# call graph with stack sizes that tests/gates read.
 add_library(cairn_bare_metal INTERFACE)
 if(CAIRN_BARE_METAL)
-  target_compile_definitions(cairn_bare_metal INTERFACE EIGEN_NO_DEBUG)
   target_compile_options(cairn_bare_metal INTERFACE
     $<$<COMPILE_LANGUAGE:CXX>:SHELL:-include ${CMAKE_CURRENT_LIST_DIR}/no_heap.h>)
   if(NOT CMAKE_CXX_COMPILER_ID MATCHES Clang)
