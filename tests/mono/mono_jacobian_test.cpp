@@ -20,7 +20,7 @@ class MonoJacobian : public ::testing::Test {
     return low + (high - low) * std::uniform_real_distribution<double>(0.0, 1.0)(engine_);
   }
   Vector<double, 4> quaternion() {
-    Vector<double, 4> q(1.0, uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+    Vector<double, 4> q{1.0, uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
     return q / q.norm();
   }
   static PinholeCamera<double> camera(double focal_factor) {
@@ -45,7 +45,7 @@ TEST_F(MonoJacobian, RotationStepAgreesWithDualNumbers) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const Vector<double, 4> q = quaternion();
     const double size = trial % 4 == 0 ? 1e-3 : 3.0;
-    const Vector3<double> w(uniform(-size, size), uniform(-size, size), uniform(-size, size));
+    const Vector3<double> w{uniform(-size, size), uniform(-size, size), uniform(-size, size)};
     using D = Dual<7>;
     D s[7];
     for (int i = 0; i < 4; ++i) s[i] = D::variable(q(i), i);
@@ -72,7 +72,7 @@ TEST_F(MonoJacobian, RotationStepIsSmoothAtRest) {
 TEST_F(MonoJacobian, RotatedVectorsAgreeWithDualNumbers) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const Vector<double, 4> q = quaternion();
-    const Vector3<double> v(uniform(-3, 3), uniform(-3, 3), uniform(-3, 3));
+    const Vector3<double> v{uniform(-3, 3), uniform(-3, 3), uniform(-3, 3)};
     using D = Dual<4>;
     D s[4];
     for (int i = 0; i < 4; ++i) s[i] = D::variable(q(i), i);
@@ -126,7 +126,7 @@ TEST_F(MonoJacobian, ProjectionOfARayAgreesWithDualNumbers) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const Vector<double, 4> q = quaternion();
     const double s = uniform(-0.1, 0.1);
-    const Vector3<double> in_camera(uniform(-0.6, 0.6), uniform(-0.4, 0.4), uniform(0.6, 2.0));
+    const Vector3<double> in_camera{uniform(-0.6, 0.6), uniform(-0.4, 0.4), uniform(0.6, 2.0)};
     const Vector3<double> ray = mono::rotation_matrix<double>(q) * in_camera;
     using D = Dual<8>;
     D state[4];
@@ -153,7 +153,7 @@ TEST_F(MonoJacobian, RayOfAPixelInvertsTheProjection) {
   for (int trial = 0; trial < kTrials; ++trial) {
     const double s = uniform(-0.1, 0.1);
     const PinholeCamera<double> c = camera(1.0 + s);
-    const Vector2<double> pixel(uniform(20, 340), uniform(20, 220));
+    const Vector2<double> pixel{uniform(20, 340), uniform(20, 220)};
     mono::PixelRay<double> got;
     ASSERT_TRUE(ok(mono::pixel_ray<double>(c, 1.0 + s, pixel, got)));
     // Implicit function: 0 = h(ray, s) - pixel.

@@ -27,8 +27,8 @@ class MonoScene {
       : engine_(seed), normal_(0.0, noise_px) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     for (int i = 0; i < 400; ++i) {
-      points_.emplace_back(2.5 * uniform(engine_), 1.6 * uniform(engine_),
-                           2.2 + 0.9 * uniform(engine_));
+      points_.push_back(Vector3<double>{2.5 * uniform(engine_), 1.6 * uniform(engine_),
+                                        2.2 + 0.9 * uniform(engine_)});
     }
   }
 

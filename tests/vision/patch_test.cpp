@@ -145,7 +145,8 @@ TEST(AlignPatch, FindsShiftUnderRotationScaleAndNoise) {
   const Accuracy a = measure(3, [](Unit& unit, std::mt19937& random) {
     Look look;
     look.noise = 2;
-    look.warp = Affine::similarity(6.28 * unit(random), 0.8 + 0.6 * unit(random));
+    const double turn = 6.28 * unit(random);
+    look.warp = Affine::similarity(turn, 0.8 + 0.6 * unit(random));
     return look;
   });
   EXPECT_GE(a.converged, a.trials - 4);
