@@ -53,6 +53,11 @@ OFFENCES = {
     "global_state": ("keeps state", "int calls = 0;\nint offence() { return ++calls; }"),
     "function_static": ("keeps state", "int offence() { static int calls = 0; return ++calls; }"),
     "stdio": ("stdio", "#include <cstdio>\nvoid offence() { std::printf(\"%d\", 3); }"),
+    "two_draws": ("several random draws", """
+        #include "cairn/numeric/random.hpp"
+        int less(int a, int b) { return a - b; }
+        int offence(cairn::Random& random) { return less(random.below(3), random.below(4)); }
+        """),
     "include_upwards": ("numeric may not use vision", '#include "cairn/vision/image.hpp"'),
     "include_port": ("error: cairn/port/port.h: No such file", '#include "cairn/port/port.h"'),
     "include_iostream": ("not a header that the core may use", "#include <iostream>"),
@@ -93,6 +98,7 @@ class Scratch:
              self.build / "core" / "libcairn_core.a"),
             (sys.executable, gates / "call_graph.py", "--largest-frame", "4096", self.build / "core"),
             (sys.executable, gates / "check_includes.py", self.folder),
+            (sys.executable, gates / "check_draws.py", self.folder / "core"),
         ]
         said = ""
         for step in steps:
