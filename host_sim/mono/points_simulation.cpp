@@ -136,8 +136,8 @@ class PointsRun {
     };
     int wanted = scenario_.wanted_features - measured_;
     for (int attempt = 0; attempt < 60 && wanted > 0; ++attempt) {
-      const Eigen::Vector2d box(30.0 + world_.uniform() * (scenario_.width - 60),
-                                30.0 + world_.uniform() * (scenario_.height - 60));
+      const double y = 30.0 + world_.uniform() * (scenario_.height - 60);
+      const Eigen::Vector2d box(30.0 + world_.uniform() * (scenario_.width - 60), y);
       bool taken = false;
       for (const Eigen::Vector2d& pixel : occupied) taken = taken || inside(pixel, box);
       if (taken) continue;

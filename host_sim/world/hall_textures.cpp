@@ -77,7 +77,8 @@ void draw_shapes(cv::Mat& area, GaussianRandom& random) {
   const int count = 7 + random.below(5);
   const int unit = std::min(area.cols, area.rows);
   for (int i = 0; i < count; ++i) {
-    const cv::Point at(random.below(area.cols), random.below(area.rows));
+    const int y = random.below(area.rows);
+    const cv::Point at(random.below(area.cols), y);
     const int size = unit / 10 + random.below(unit / 4);
     const int level = random.below(2) == 0 ? 20 + random.below(70) : 150 + random.below(100);
     if (random.below(3) == 0) {
@@ -222,10 +223,12 @@ cv::Mat paint_floor(int side_px, double px_per_m, GaussianRandom& random) {
   add_mottle(image, 7, 5.0, random);
   // Scuffs and spots: no two tiles look alike.
   for (int k = 0; k < 1500; ++k) {
-    const cv::Point at(random.below(side_px), random.below(side_px));
+    const int y = random.below(side_px);
+    const cv::Point at(random.below(side_px), y);
     const int level = random.below(2) == 0 ? 60 + random.below(30) : 165 + random.below(50);
-    cv::ellipse(image, at, {2 + random.below(5), 1 + random.below(4)}, random.below(180), 0, 360,
-                cv::Scalar(level), cv::FILLED, cv::LINE_AA);
+    const int turn_deg = random.below(180);
+    const cv::Size axes{2 + random.below(5), 1 + random.below(4)};
+    cv::ellipse(image, at, axes, turn_deg, 0, 360, cv::Scalar(level), cv::FILLED, cv::LINE_AA);
   }
   return image;
 }
@@ -390,8 +393,8 @@ cv::Mat paint_table_top(int width_px, int height_px, GaussianRandom& random) {
   cv::Mat image(height_px, width_px, CV_8UC1);
   draw_planks(image, 6, 165, true, random);
   for (int k = 0; k < 5; ++k) {
-    const cv::Rect paper(random.below(width_px * 7 / 10), random.below(height_px * 6 / 10),
-                         width_px / 6, height_px / 4);
+    const int top = random.below(height_px * 6 / 10);
+    const cv::Rect paper(random.below(width_px * 7 / 10), top, width_px / 6, height_px / 4);
     box(image, paper, 235);
     for (int line = 0; line < 4; ++line) {
       box(image, {paper.x + 6, paper.y + 8 + line * paper.height / 5, paper.width * 3 / 4, 3}, 80);

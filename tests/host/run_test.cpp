@@ -43,7 +43,7 @@ std::vector<Rigid<double>> random_path(int count) {
   std::vector<Rigid<double>> path;
   for (int i = 0; i < count; ++i) {
     path.push_back(
-        {rotation_exp(Vector3<double>(random.normal(), random.normal(), random.normal())),
+        {rotation_exp(Vector3<double>{random.normal(), random.normal(), random.normal()}),
          {random.normal(), random.normal(), random.normal()}});
   }
   return path;

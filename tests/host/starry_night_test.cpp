@@ -26,8 +26,8 @@ void write_sway(const TemporaryFolder& folder) {
   GaussianRandom random(3);
   std::vector<Vector3<double>> points;
   for (int i = 0; i < 20; ++i) {
-    points.emplace_back(random.uniform(-0.8, 0.8), random.uniform(-0.6, 0.6),
-                        random.uniform(1.5, 3.0));
+    points.push_back(Vector3<double>{random.uniform(-0.8, 0.8), random.uniform(-0.6, 0.6),
+                                     random.uniform(1.5, 3.0)});
   }
   std::string poses = kPoseHeader;
   std::string pixels = kPixelHeader;
