@@ -23,6 +23,7 @@ struct TurntableOptions {
   std::string experiment;
   std::vector<std::string> fading = {"1.000", "1.003", "1.006",   "1.009",
                                      "1.015", "1.030", "adaptive"};
+  std::string condition;
   std::uint64_t seed = 1;
   int seeds = 0;  ///< 0: one of the video, 20 of the points
   bool points = false;
@@ -37,6 +38,11 @@ TurntableConfig make_config(const TurntableOptions& options) {
     throw UsageError(
         fmt::format("--experiment '{}': expected yaw10, two-axis20, yaw70, static or swing",
                     options.experiment));
+  }
+  config.condition = options.condition;
+  if (turntable_conditions(config).empty()) {
+    throw UsageError(
+        fmt::format("--condition '{}': no condition has this in its name", options.condition));
   }
   config.seed = options.seed;
   config.seeds = options.seeds > 0 ? options.seeds : (options.points ? 20 : 1);
@@ -98,6 +104,8 @@ void register_turntable_command(CommandContext& context) {
       ->add_option("--fading", options->fading,
                    "Fading factors and 'adaptive', separated by commas")
       ->delimiter(',');
+  command->add_option("--condition", options->condition,
+                      "Only conditions with this in their name, such as 'outliers'");
   command->add_option("--seed", options->seed, "First seed");
   command->add_option("--seeds", options->seeds, "Number of seeds (default 1, with --points 20)")
       ->check(CLI::Range(1, 10000));

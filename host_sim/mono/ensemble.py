@@ -41,7 +41,8 @@ def main():
         trajectory = summary["trajectory"]
         print(f"score {score} first +{later}: ATE {trajectory['ate_rmse_m']} m, "
               f"rotation {trajectory['rotation_rmse_deg']} deg, NIS a degree of freedom "
-              f"{summary['nis']['mean'] / summary['nis']['dof']:.2f}, lost {summary['lost']}")
+              f"{summary['nis']['mean'] / summary['nis']['dof']:.2f}, lost {summary['lost']}, "
+              f"tracked {summary['tracked']} of {summary['frames']}")
     for key, unit in (("ate_rmse_m", "m"), ("rotation_rmse_deg", "deg")):
         values = [summary["trajectory"][key] for summary in runs]
         if None in values:

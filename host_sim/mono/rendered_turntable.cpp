@@ -222,7 +222,7 @@ std::vector<TurntableCell> run_rendered_turntable(const TurntableConfig& config,
   std::vector<TurntableCell> cells;
   std::map<VideoKey, std::vector<Job>> jobs;
   int total = 0;
-  for (const TurntableCondition& condition : turntable_conditions(config.experiment)) {
+  for (const TurntableCondition& condition : turntable_conditions(config)) {
     for (const TurntableVariant& variant : turntable_variants(config, condition)) {
       TurntableCell cell{condition.name, variant.name, {}};
       cell.runs.resize(static_cast<std::size_t>(config.seeds));

@@ -37,11 +37,11 @@ void add_with_and_without_focal(std::vector<TurntableVariant>& variants, Turntab
 
 }  // namespace
 
-std::vector<TurntableCondition> turntable_conditions(TurntableExperiment experiment) {
+std::vector<TurntableCondition> turntable_conditions(const TurntableConfig& config) {
   std::vector<TurntableCondition> conditions;
   for (const bool lever : {false, true}) {
     PointsScenario base;
-    base.motion.experiment = experiment;
+    base.motion.experiment = config.experiment;
     if (lever) base.motion.lever_m = default_lever();
     const std::string where = lever ? "8 cm off" : "on axis";
     conditions.push_back({where + ", clean", base});
@@ -56,7 +56,14 @@ std::vector<TurntableCondition> turntable_conditions(TurntableExperiment experim
     scenario = base;
     scenario.outlier_share = 0.25;
     conditions.push_back({where + ", 25 % outliers", scenario});
+    scenario.outlier_share = 0.5;
+    conditions.push_back({where + ", 50 % outliers", scenario});
   }
+  const auto unwanted = [&](const TurntableCondition& c) {
+    return c.name.find(config.condition) == std::string::npos;
+  };
+  conditions.erase(std::remove_if(conditions.begin(), conditions.end(), unwanted),
+                   conditions.end());
   return conditions;
 }
 
@@ -109,7 +116,7 @@ std::vector<TurntableCell> run_turntable(const TurntableConfig& config,
   };
   std::vector<TurntableCell> cells;
   std::vector<Job> jobs;
-  for (const TurntableCondition& condition : turntable_conditions(config.experiment)) {
+  for (const TurntableCondition& condition : turntable_conditions(config)) {
     for (const TurntableVariant& variant : turntable_variants(config, condition)) {
       TurntableCell cell{condition.name, variant.name, {}};
       cell.runs.resize(static_cast<std::size_t>(config.seeds));

@@ -31,13 +31,14 @@ struct TurntableConfig {
   TurntableExperiment experiment = TurntableExperiment::kYaw70;
   std::vector<double> fading = {1.0, 1.003, 1.006, 1.009, 1.015, 1.03};
   bool adaptive = true;
+  std::string condition;  ///< only conditions with this in their name
   std::uint64_t seed = 1;
   int seeds = 20;
 };
 
-/// On the axis and 8 cm off it: clean, focal length wrong by +3 % and -5 %, noise of 1 px, 25 %
-/// outliers.
-std::vector<TurntableCondition> turntable_conditions(TurntableExperiment experiment);
+/// On the axis and 8 cm off it: clean, focal length wrong by +3 % and -5 %, noise of 1 px, 25 % and
+/// 50 % outliers; those that `config` wants.
+std::vector<TurntableCondition> turntable_conditions(const TurntableConfig& config);
 
 /// Paper B's filter with every fading factor and with the adaptive one; six degrees of freedom that
 /// know that the camera starts at rest (velocity 0 +- 0.05 m/s, 0.05 m/s per sqrt(s)) and how noisy

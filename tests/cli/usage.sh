@@ -15,6 +15,7 @@ expect 2 "--max-frames" run hall-small --max-frames 0 --out out
 expect 2 "camera file by --camera" run video:. --out out
 expect 2 "--experiment 'yaw45'" turntable --experiment yaw45 --out out
 expect 2 "--fading '0.9'" turntable --experiment yaw10 --fading 0.9 --out out
+expect 2 "--condition 'fog'" turntable --experiment yaw10 --condition fog --out out
 expect 2 "--seeds" turntable --experiment yaw10 --seeds 0 --out out
 expect 2 "--corner-score" run starry-night:. --corner-score 20 --out out
 expect 3 "gt_imu.csv" run starry-night:nowhere --out out
