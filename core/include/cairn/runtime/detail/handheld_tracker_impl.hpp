@@ -339,6 +339,7 @@ void HandheldTracker<Config>::watch_start(FrameReport& report) {
   if (!mirrored || start_.restarts >= p.max_restarts) return;
   if (!ok(filter_.restart(filter_.T_world_camera()))) return;
   table_.clear();
+  weak_frames_ = 0;
   start_.frames = 0;
   ++start_.restarts;
   ++health_.losses;
