@@ -1,3 +1,5 @@
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "cairn/planar/ekf_slam.hpp"
@@ -276,6 +278,46 @@ TYPED_TEST(PlanarCameraFilter, WithoutConsensusTheStateIsEqualToTheBit) {
   filter.hash(after);
   EXPECT_EQ(before.value(), after.value());
   EXPECT_GT(filter.health().ransac_no_consensus, 0U);
+}
+
+/// What lies on the floor is as far away as the camera's height says: the height corrects the
+/// distance by what the two errors share.
+TYPED_TEST(PlanarCameraFilter, TheHeightOfALandmarkTellsItsDistance) {
+  TypeParam filter;
+  ASSERT_TRUE(ok(start(filter, make_drive(303, camera_world()))));
+  const Matrix3<double> before_pose = filter.pose_covariance();
+  const Vector3<double> y(3.0, 0.5, 0.1);
+  const Vector3<double> ray(3.0, 0.5, -0.9);  // from a camera 1 m above the ground
+  const Matrix3<double> R =
+      0.01 * ray * ray.transpose() + 1e-6 * Matrix3<double>::Identity();  // 10 % of the distance
+  ASSERT_EQ(filter.add_landmark(7, y, R), Status::kOk);
+  const Vector3<double> before = filter.mean_landmark(0);
+  const Matrix3<double> P = filter.landmark_covariance(0);
+  constexpr double kSigma = 0.02;
+  ASSERT_EQ(filter.update_height(7, 0.0, kSigma, 3.84), Status::kOk);
+  const Vector3<double> gain = P.col(2) / (P(2, 2) + kSigma * kSigma);
+  EXPECT_LT((filter.mean_landmark(0) - (before - 0.1 * gain)).norm(), 1e-3);
+  EXPECT_LT((filter.landmark_covariance(0) - (P - gain * P.row(2))).norm(), 1e-4);
+  EXPECT_LT((filter.pose_covariance() - before_pose).norm(), 1e-6);
+}
+
+TYPED_TEST(PlanarCameraFilter, ARefusedHeightLeavesTheStateEqualToTheBit) {
+  TypeParam filter;
+  EXPECT_EQ(filter.update_height(7, 0.0, 0.02, 3.84), Status::kNotInitialised);
+  ASSERT_TRUE(ok(start(filter, make_drive(303, camera_world()))));
+  ASSERT_EQ(filter.add_landmark(7, {3.0, 0.5, 0.4}, 0.01 * Matrix3<double>::Identity()),
+            Status::kOk);
+  Hash64 before;
+  filter.hash(before);
+  EXPECT_EQ(filter.update_height(7, 0.0, 0.02, 3.84), Status::kGated);
+  EXPECT_EQ(filter.update_height(8, 0.0, 0.02, 3.84), Status::kNotFound);
+  EXPECT_EQ(filter.update_height(7, 0.0, 0.0, 3.84), Status::kInvalidArgument);
+  EXPECT_EQ(filter.update_height(7, 0.0, 0.02, 0.0), Status::kInvalidArgument);
+  EXPECT_EQ(filter.update_height(7, std::numeric_limits<double>::quiet_NaN(), 0.02, 3.84),
+            Status::kNonFiniteInput);
+  Hash64 after;
+  filter.hash(after);
+  EXPECT_EQ(before.value(), after.value());
 }
 
 /// Rows by the relative vector against differences of the projection, heading and pitch included.

@@ -233,6 +233,28 @@ TEST_F(VehicleAtAWall, AWildSteeringReadingDoesNotTieDistanceToTurn) {
   EXPECT_LT(std::abs(correlation), 0.02F);
 }
 
+/// The turn of a reading that no other supports must not shut the landmarks out of their windows.
+TEST_F(VehicleAtAWall, AWildSteeringReadingLeavesTheHeadingOpen) {
+  OdometrySample sample;
+  sample.kind = OdometrySample::Kind::kAckermann;
+  sample.speed_mps = 0.5F;
+  const auto heading_variance = [&] { return tracker_->filter().pose_covariance()(2, 2); };
+  constexpr int kWild = 30;
+  for (int k = 1; k < kWild; ++k) {
+    sample.t_us = k * kStepUs;
+    ASSERT_TRUE(ok(tracker_->add_odometry(sample)));
+  }
+  const float heading = tracker_->filter().pose().heading;
+  const float before = heading_variance();
+  sample.t_us = kWild * kStepUs;
+  sample.turn = 0.7F;
+  ASSERT_TRUE(ok(tracker_->add_odometry(sample)));
+  const float turned = std::abs(tracker_->filter().pose().heading - heading);
+  const float opened = std::sqrt(heading_variance() - before);
+  EXPECT_GT(turned, 0.0F);
+  EXPECT_LT(turned, 3.5F * opened);
+}
+
 TEST_F(VehicleAtAWall, BadOdometryIsRefusedAndCounted) {
   for (int k = 0; k < 3; ++k) static_cast<void>(step(*tracker_, k, report_));
   const std::uint64_t before = hash_of(*tracker_);

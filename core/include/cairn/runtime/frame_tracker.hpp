@@ -83,6 +83,9 @@ class FrameTracker {
     int max_births_per_frame = 16;     ///< new candidates
     int keyframe_interval = 8;         ///< frames between frames with new candidates
     int max_promotions_per_frame = 4;  ///< candidates that become landmarks
+    float floor_sigma_m = 0.02F;       ///< how even the floor is; 0: heights tell nothing
+    float floor_told_m = 0.05F;        ///< a height known so well tells floor from other things
+    float floor_gate = 3.84F;          ///< 95 %
     int max_searches = 40;
     int min_inliers = 4;
     int uncertain_frames_to_lost = 60;
@@ -153,7 +156,7 @@ class FrameTracker {
   const Filter& filter() const { return filter_; }
   const PinholeCamera<float>& camera() const { return camera_; }
   const Rigid<float>& T_vehicle_camera() const { return T_vehicle_camera_; }
-  Rigid<float> T_world_camera() const { return lift(filter_.mean_pose()) * T_vehicle_camera_; }
+  Rigid<float> T_world_camera() const { return on_floor(filter_.mean_pose()) * T_vehicle_camera_; }
   const LandmarkTable<kMaxLandmarks>& landmarks() const { return table_; }
   const Health& health() const { return health_; }
   TrackingState state() const { return state_; }
@@ -175,7 +178,6 @@ class FrameTracker {
 
   static constexpr float kShortestPath_m = 1e-3F;
 
-  static Rigid<float> lift(const PlanarPose<float>& pose) { return on_floor(pose); }
   Status check_input(const ImageView& image, std::int64_t t_us);
   Status integrate_to(std::int64_t t_us);
   PlanarIncrement<float> increment_of(const OdometrySample& motion, float dt, float scale) const;
@@ -190,6 +192,7 @@ class FrameTracker {
                     const FixedVector<PixelMatch<float>, kMaxLandmarks>& matches,
                     FrameReport& report);
   void judge(FrameReport& report);
+  void use_floor(TrackedLandmark& landmark);
 
   // What a frame can afford: detail/frame_tracker_work_impl.hpp.
   void begin_work();

@@ -17,6 +17,7 @@ struct TrackedLandmark {
   bool searched = false;      ///< in the last frame
   bool from_library = false;  ///< came back from the map library
   bool stored = false;        ///< the map builder was told about it
+  bool height_told = false;   ///< whether it lies on the floor
 };
 
 /// The tracker's side of the filter's landmarks, found by id. Cost of a look-up: Capacity

@@ -61,6 +61,11 @@ inline int planar_update(int states, int candidates, int hypotheses, int used) {
   return look + gains + passes * (states * states / 90);
 }
 
+/// update_height(): one direction and a pass over the covariance.
+inline int height_update(int states) {
+  return 8 + states / 8 + states * states / 90;
+}
+
 inline constexpr int kRefinement = 400;  ///< refine_pose() with 24 points, 8 iterations
 inline constexpr int kMonoFrame = 120;   ///< MonoEkf's prediction, plan, reports
 inline constexpr int kBirth = 40;        ///< MonoEkf::add_feature()

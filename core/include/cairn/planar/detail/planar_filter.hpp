@@ -78,6 +78,12 @@ class PlanarFilter {
   Status update_pixels(const PinholeCamera<T>& camera, const Rigid<T>& T_vehicle_camera, T sigma_px,
                        PixelMatch<T>* matches, int count, Random& random, UpdateReport& report);
 
+  /// Updates with the height of a landmark above the ground, m: what lies on the floor is at 0, and
+  /// so tells the scale of what was measured together with it. Landmarks with height only. Errors:
+  /// kNotInitialised, kNotFound, kInvalidArgument (sigma, gate), kNonFiniteInput; kGated
+  /// (chi-square, 1 degree of freedom), kSingular. Cost: as one pixel.
+  Status update_height(LandmarkId id, T height_m, T sigma_m, T gate);
+
   /// Adds a landmark seen at `y_vehicle` (m, vehicle frame; third component: height above the
   /// ground) with noise covariance `R`. In a full map the landmark of PlanarParameters'
   /// replace_after makes room; `replaced`, if given, gets its id (or kNoLandmark). Errors:

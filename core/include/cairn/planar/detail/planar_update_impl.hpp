@@ -96,6 +96,38 @@ Status CAIRN_PLANAR_FILTER::update_range_bearing(Span<RangeBearingObservation<T>
 }
 
 CAIRN_PLANAR_TEMPLATE
+Status CAIRN_PLANAR_FILTER::update_height(LandmarkId id, T height_m, T sigma_m, T gate) {
+  if constexpr (LandmarkDim != 3) {
+    return Status::kInvalidArgument;
+  } else {
+    if (!initialised_) return Status::kNotInitialised;
+    if (!is_finite(height_m) || !is_finite(sigma_m)) return Status::kNonFiniteInput;
+    if (!(sigma_m > T(0)) || !(gate > T(0))) return Status::kInvalidArgument;
+    Pair& pair = pairs_[0];
+    pair = Pair();
+    pair.slot = find(id);
+    if (pair.slot < 0) return Status::kNotFound;
+    T relative[3];
+    RelativeCovariance<T> covariance;
+    derived().relative(pair.slot, relative);
+    derived().relative_covariance(pair.slot, covariance);
+    pair.innovation[0] = height_m - relative[2];
+    pair.h[0][2] = T(1);
+    pair.r00 = square(sigma_m);
+    pair.r11 = T(1);  // the second row measures nothing
+    T squared = T(0);
+    if (!innovation_covariance(pair, covariance).mahalanobis(pair.innovation, squared)) {
+      ++health_.innovations_singular;
+      return Status::kSingular;
+    }
+    if (!(squared <= gate)) return Status::kGated;
+    UpdateReport report;
+    use(0, 1, report);
+    return Status::kOk;
+  }
+}
+
+CAIRN_PLANAR_TEMPLATE
 bool CAIRN_PLANAR_FILTER::admit(const Pair& pair, const RelativeCovariance<T>& relative, T gate,
                                 UpdateReport& report) {
   T squared = T(0);

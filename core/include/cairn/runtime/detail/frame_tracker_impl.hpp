@@ -57,7 +57,7 @@ void FrameTracker<Config, Filter>::augment(Augmenter& augmenter, const MutableIm
                                            const TickSource& ticks, FrameReport& report) {
   const std::uint32_t start = ticks.now();
   if (state_ == TrackingState::kTracking && augmenter.wants_object()) {
-    Rigid<float> T_world_object = lift(filter_.mean_pose());
+    Rigid<float> T_world_object = on_floor(filter_.mean_pose());
     T_world_object.translation = T_world_object * Vector3<float>(3.5F, 0.7F, 0.0F);
     static_cast<void>(augmenter.place(T_world_object));
   }
@@ -125,11 +125,15 @@ template <class Config, class Filter>
 PlanarIncrement<float> FrameTracker<Config, Filter>::increment_of(const OdometrySample& motion,
                                                                   float dt, float scale) const {
   const OdometryNoise& noise = parameters_.odometry;
+  // The windows must hold what a wild reading says too: one that lies far off those before it.
+  constexpr float kFarInSigmas = 3.0F;
+  const float off = abs(motion_.turn - steady_motion_.turn) / kFarInSigmas;
+  const float sigma_turn = scale * (off > noise.sigma_turn ? off : noise.sigma_turn);
+  const float sigma_speed = scale * noise.sigma_speed_mps;
   return motion.kind == OdometrySample::Kind::kAckermann
              ? ackermann_increment(motion.speed_mps, motion.turn, dt, noise.wheelbase_m,
-                                   noise.sigma_speed_mps * scale, noise.sigma_turn * scale)
-             : twist_increment(motion.speed_mps, motion.turn, dt, noise.sigma_speed_mps * scale,
-                               noise.sigma_turn * scale);
+                                   sigma_speed, sigma_turn)
+             : twist_increment(motion.speed_mps, motion.turn, dt, sigma_speed, sigma_turn);
 }
 
 template <class Config, class Filter>
@@ -300,11 +304,31 @@ void FrameTracker<Config, Filter>::note_matches(
                                         round_to_int(match.pixel.y()), T_world_camera(),
                                         landmark->appearance));
     }
+    use_floor(*landmark);
     if (!landmark->stored && landmark->measured >= parameters_.mature_sightings) {
       store(filter_.find(match.id), *landmark, map);
       landmark->stored = true;
     }
   }
+}
+
+/// The camera's height is the one length that the vehicle knows beside its way: a landmark on the
+/// floor tells the scale of the map. Once its height is known well enough to tell it from what
+/// stands on the floor, it counts as a measurement of height 0, or as something else.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::use_floor(TrackedLandmark& landmark) {
+  if (landmark.height_told || landmark.from_library) return;
+  if (!(parameters_.floor_sigma_m > 0.0F)) return;
+  if (landmark.measured < parameters_.mature_sightings) return;
+  const int slot = filter_.find(landmark.id);
+  const float variance = filter_.landmark_covariance(slot)(2, 2);
+  if (variance > square(parameters_.floor_told_m)) return;
+  const int most = work::height_update(3 + 3 * filter_.landmark_count());
+  if (!work_.affords(most)) return;
+  landmark.height_told = true;
+  const Status told =
+      filter_.update_height(landmark.id, 0.0F, parameters_.floor_sigma_m, parameters_.floor_gate);
+  work_.spend(ok(told) ? most : work::kProjection);
 }
 
 template <class Config, class Filter>

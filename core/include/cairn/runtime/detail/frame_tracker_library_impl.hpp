@@ -54,7 +54,7 @@ Vector3<float> FrameTracker<Config, Filter>::map_offset() const {
 template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::ensure_map_reference(const LibraryLandmark& archived) {
   if constexpr (kTakesLandmarksBack) {
-    const Vector3<float> here = lift(filter_.mean_pose()).translation;
+    const Vector3<float> here = on_floor(filter_.mean_pose()).translation;
     if (filter_.find(map_reference_) >= 0) {
       const float way = sqrt((here - map_widened_at_).squaredNorm());
       map_widened_at_ = here;

@@ -145,7 +145,7 @@ template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::add_promoted(const Promotion& promotion, FrameReport& report) {
   const int slot = filter_.find(promotion.keyframe);
   if (slot < 0) return false;
-  const Rigid<float> T_world_vehicle = lift(filter_.mean_pose());
+  const Rigid<float> T_world_vehicle = on_floor(filter_.mean_pose());
   const Rigid<float> T_world_camera = T_world_vehicle * T_vehicle_camera_;
   const Quaternion<float> R_world_first =
       T_world_camera.rotation * promotion.T_camera_first.rotation;
