@@ -165,7 +165,9 @@ bool FrameTracker<Config, Filter>::add_promoted(const Promotion& promotion, Fram
   covariance(0, 0) += square(sigma_lateral);
   covariance(1, 1) += square(sigma_lateral);
   const Matrix3<float> R_vehicle_camera = T_vehicle_camera_.rotation.toRotationMatrix();
-  const Matrix3<float> turned = R_vehicle_camera * covariance;
+  const Matrix3<float> turned = R_vehicle_camera * covariance * R_vehicle_camera.transpose();
+  // Rounding leaves two of three products not symmetric to the bit, which the filter would refuse.
+  const Matrix3<float> noise = 0.5F * (turned + turned.transpose());
   const Vector3<float> offset = R_vehicle_camera * Vector3<float>(promotion.ray * depth);
   const Vector3<float> direction = (T_world_vehicle.rotation.conjugate() * path) * (1.0F / length);
   const Matrix<float, 3, 2> by_path =
@@ -176,9 +178,8 @@ bool FrameTracker<Config, Filter>::add_promoted(const Promotion& promotion, Fram
   landmark.appearance.T_world_reference =
       T_world_camera * Rigid<float>{promotion.T_camera_first.rotation, reckoned * scale};
   LandmarkId replaced = kNoLandmark;
-  if (!ok(filter_.add_landmark_on_path(landmark.id, T_vehicle_camera_.translation + offset,
-                                       turned * R_vehicle_camera.transpose(), promotion.keyframe,
-                                       by_path, &replaced))) {
+  if (!ok(filter_.add_landmark_on_path(landmark.id, T_vehicle_camera_.translation + offset, noise,
+                                       promotion.keyframe, by_path, &replaced))) {
     return false;
   }
   ++next_id_;
