@@ -288,8 +288,9 @@ TYPED_TEST(PlanarCameraFilter, TheHeightOfALandmarkTellsItsDistance) {
   const Matrix3<double> before_pose = filter.pose_covariance();
   const Vector3<double> y(3.0, 0.5, 0.1);
   const Vector3<double> ray(3.0, 0.5, -0.9);  // from a camera 1 m above the ground
+  const Matrix3<double> outer = ray * ray.transpose();
   const Matrix3<double> R =
-      0.01 * ray * ray.transpose() + 1e-6 * Matrix3<double>::Identity();  // 10 % of the distance
+      0.01 * outer + 1e-6 * Matrix3<double>::Identity();  // 10 % of the distance
   ASSERT_EQ(filter.add_landmark(7, y, R), Status::kOk);
   const Vector3<double> before = filter.mean_landmark(0);
   const Matrix3<double> P = filter.landmark_covariance(0);
