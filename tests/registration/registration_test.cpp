@@ -294,7 +294,7 @@ TEST(DrawObject, RefusesImpossibleInputAndLeavesTheImage) {
 
 TEST(JitterStatistic, IsTheRmsAboutEachPointsOwnMean) {
   JitterStatistic<3> jitter;
-  EXPECT_EQ(jitter.rms_px(), 0);
+  EXPECT_EQ(jitter.rms_px(), 0.0F);
   for (int i = 0; i < 100; ++i) {
     const float side = i % 2 == 0 ? 1.0F : -1.0F;
     jitter.add(0, {1000 + 0.3F * side, 50});

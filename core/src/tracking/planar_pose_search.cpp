@@ -138,7 +138,7 @@ Status find_planar_pose(const PlanarView& view, const PlanarPrior& prior,
     for (int i = 0; i < count; ++i) best[i] = agrees[i];
   }
   if (most < options.min_support) return Status::kNoConsensus;
-  constexpr int kRounds = 2;  // the second leaves out what the first no longer supports
+  constexpr int kRounds = 3;  // each leaves out what the one before no longer supports
   Estimate estimate{prior.pose, prior.covariance};
   for (int round = 0; round < kRounds; ++round) {
     if (!fit(problem, best, estimate)) return Status::kNoConsensus;

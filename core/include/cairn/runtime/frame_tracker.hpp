@@ -13,6 +13,7 @@
 #include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/config.hpp"
 #include "cairn/runtime/frame_report.hpp"
+#include "cairn/runtime/frame_work.hpp"
 #include "cairn/tracking/candidate_pool.hpp"
 #include "cairn/tracking/expected_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
@@ -133,11 +134,7 @@ class FrameTracker {
 
   /// Units of work that each frame may take from now on (FrameCut tells what it gave up for it).
   /// An input like any other: logs record it. kInvalidArgument for a negative one.
-  Status set_work_limit(int units) {
-    if (units < 0) return Status::kInvalidArgument;
-    work_limit_ = units;
-    return Status::kOk;
-  }
+  Status set_work_limit(int units) { return work_.set_limit(units); }
 
   /// Ids below `next` are taken: after a library came from elsewhere.
   void reserve_ids(LandmarkId next) {
@@ -200,12 +197,6 @@ class FrameTracker {
   int searching_work() const;
   int searches_planned() const;
   void afford_update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
-  void end_work(FrameReport& report);
-  bool take(int units) {
-    if (!work_.affords(units)) return false;
-    work_.spend(units);
-    return true;
-  }
 
   // The filter's landmarks: detail/frame_tracker_map_impl.hpp.
   void remove_landmarks(Map& map, FrameReport& report);
@@ -280,10 +271,7 @@ class FrameTracker {
   FixedVector<PixelMatch<float>, kMaxLandmarks> matches_;  ///< of one frame: not on the stack
   Random random_;
   Health health_;
-  WorkBudget work_;  ///< of this frame
-  int work_limit_ = 0;
-  bool mapping_cut_ = false;  ///< in this frame, for want of work
-  int frames_without_mapping_ = 0;
+  FrameWork work_;
   float frame_step_s_ = 0.0F;
   float turn_variance_ = 0.0F;  ///< of the odometry's turn since the last frame, rad^2
   OdometrySample motion_;       ///< last sample: held for extrapolation
@@ -316,10 +304,11 @@ class FrameTracker {
   Rigid<float> T_world_camera_captured_;
   PlanarPrior prior_captured_;  ///< in the library's coordinates
   bool looked_near_ = false;
-  int looks_ = 0;             ///< at the place, since tracking was lost
-  bool captured_ = false;     ///< by the last frame that looked for its place
-  bool place_found_ = false;  ///< to be verified in the next frame
-  bool has_library_ = false;  ///< something to look a place up in
+  int looks_ = 0;                 ///< at the place, since tracking was lost
+  bool image_for_place_ = false;  ///< this frame's goes to the look-up: no landmark is searched
+  bool captured_ = false;         ///< by the last frame that looked for its place
+  bool place_found_ = false;      ///< to be verified in the next frame
+  bool has_library_ = false;      ///< something to look a place up in
   int unrecognised_ = 0;
   int patience_ = 0;
 };

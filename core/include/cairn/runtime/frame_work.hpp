@@ -37,6 +37,7 @@ class FrameWork {
     budget_.spend(units);
     return true;
   }
+  void spend(int units) { budget_.spend(units); }
   /// What searches may take where `later` units come first: a lost place's look-up; and `update` is
   /// what the use of all that they may find would take. A limit that does not pay all of it pays
   /// some searches and some updates.

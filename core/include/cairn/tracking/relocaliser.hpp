@@ -45,7 +45,7 @@ class Relocaliser {
     int margin_px = 34;
     int min_features = 12;  ///< fewer in an image: nothing to be recognised
     /// Units of work; an image that has more in it (noise) is not gone through.
-    int max_capture_work = 4500;
+    int max_capture_work = 8000;
     int max_pairs_per_step = 12288;
     int samples_per_step = 24;
     Scalar sigma_px = Scalar(1.5);

@@ -43,7 +43,8 @@ inline constexpr int fast(int width, int height) {
   return 1 + width * height / 8;
 }
 inline constexpr int fast(int width, int height, int candidates) {
-  return 1 + width * height / 45 + 3 * candidates / 8;
+  const int counted = 1 + width * height / 60 + candidates / 2;
+  return counted < fast(width, height) ? counted : fast(width, height);
 }
 
 inline constexpr int kFrame = 150;     ///< prediction, lists, reports

@@ -46,8 +46,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   captured_ = false;
   place_found_ = false;
   looks_ = 0;
-  work_limit_ = parameters.work_limit;
-  frames_without_mapping_ = 0;
+  image_for_place_ = false;
+  work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   patience_ = parameters.map_anew_after;
   return Status::kOk;
 }
@@ -195,7 +195,7 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   report.T_world_camera.translation -= map_offset();
   pass_milestones();
   report.landmarks = filter_.landmark_count();
-  end_work(report);
+  work_.end(report, health_);
   const std::uint32_t updated = ticks.now();
 
   report.stage_ticks[static_cast<int>(Stage::kPreprocess)] = prepared - start;
@@ -297,7 +297,7 @@ void FrameTracker<Config, Filter>::note_matches(
     ++landmark->measured;
     landmark->misses = 0;
     report.from_library += landmark->from_library ? 1 : 0;
-    if (!landmark->appearance.has_patch && take(work::kAppearance)) {
+    if (!landmark->appearance.has_patch && work_.take(work::kAppearance)) {
       if (landmark->measured == 1) tell(map, Map::Message::Kind::kFound, match.id);
       // Near the border it is tried again with the next match.
       static_cast<void>(make_appearance(image, round_to_int(match.pixel.x()),

@@ -97,7 +97,7 @@ template <class Config, class Filter>
 void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, FrameReport& report) {
   constexpr int kReserve = kMaxLandmarks / 12;
   constexpr float kMargin = 40.0F;
-  if (!take(parameters_.library_slots_per_frame * work::kLibrarySlot)) return;
+  if (!work_.take(parameters_.library_slots_per_frame * work::kLibrarySlot)) return;
   LandmarkId active[kMaxLandmarks];
   for (int slot = 0; slot < filter_.landmark_count(); ++slot) {
     active[slot] = filter_.landmark_id(slot);
@@ -119,7 +119,7 @@ void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, Fra
   for (int i = 0; i < count && report.reentered < parameters_.max_reentries_per_frame; ++i) {
     if (filter_.landmark_count() + kReserve >= kMaxLandmarks) return;
     if (!is_old(visible[i].id) || recently_refused(visible[i].id)) continue;
-    if (!take(work::kPromotion)) return;
+    if (!work_.take(work::kPromotion)) return;
     reenter(library[visible[i].slot], report);
   }
 }
@@ -174,18 +174,18 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     return;
   }
   if (!places_.working()) {
-    captured_ = !captured_ && work_.affords(Places::least_capture_work(image));
+    captured_ = image_for_place_ && work_.affords(Places::least_capture_work(image));
     if (!captured_) return;
     T_world_camera_captured_ = T_world_camera();
     prior_captured_ = {filter_.mean_pose(), filter_.pose_covariance()};
     prior_captured_.pose.position -= map_offset().template head<2>();
     looked_near_ = false;
-    static_cast<void>(places_.capture(image, parameters_.places, scratch_.places, work_));
+    static_cast<void>(places_.capture(image, parameters_.places, scratch_.places, work_.budget()));
     return;
   }
   captured_ = false;
   if (!looked_near_) {
-    if (!take(Places::near_work())) return;
+    if (!work_.take(Places::near_work())) return;
     looked_near_ = true;
     place_found_ = places_.look_near({camera_, T_vehicle_camera_}, prior_captured_, library,
                                      parameters_.places, scratch_.places);
@@ -196,7 +196,7 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
   }
   if (!work_.affords(Places::step_work(parameters_.places))) return;
   const Outcome outcome =
-      places_.step(camera_, library, parameters_.places, random_, scratch_.places, work_);
+      places_.step(camera_, library, parameters_.places, random_, scratch_.places, work_.budget());
   if (outcome == Outcome::kFailed) note_unrecognised(library);
   if (outcome != Outcome::kFound) return;
   place_found_ = plausible(places_.T_map_camera());
@@ -274,14 +274,14 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
                                  memory.visible, kReentryCandidates);
   static_cast<void>(search_expected(image, camera_, T_map_camera, library, memory.visible, count,
                                     kWindowVariance, parameters_.search, memory.search,
-                                    memory.matches, work_));
+                                    memory.matches, work_.budget()));
   if (memory.matches.size() < kMinFound || 2 * memory.matches.size() < count) return false;
 
   make_room(map, memory.matches.size() + 2, kMaxLandmarks, report);
   for (int i = memory.matches.size() - 1; i >= 0; --i) {
     PixelMatch<float>& match = memory.matches[i];
     if (filter_.find(match.id) >= 0) continue;
-    if (take(work::kPromotion) && reenter(library[match.slot], report)) {
+    if (work_.take(work::kPromotion) && reenter(library[match.slot], report)) {
       memory.entered.push_back(match.id);
     } else {
       memory.matches.remove_unordered(i);

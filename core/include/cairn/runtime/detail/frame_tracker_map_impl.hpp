@@ -35,7 +35,7 @@ void FrameTracker<Config, Filter>::remove_landmarks(Map& map, FrameReport& repor
     const bool rarely_found =
         landmark->predicted >= 8 && 2 * landmark->measured < landmark->predicted;
     if (!not_recognised && !rarely_found) continue;
-    if (!take(work::kRemoval)) return;
+    if (!work_.take(work::kRemoval)) return;
     if (not_recognised) {
       tell(map, Map::Message::Kind::kNotFound, landmark->id);
       refused_[next_refused_] = landmark->id;
@@ -53,7 +53,7 @@ void FrameTracker<Config, Filter>::make_room(Map& map, int reserve, int limit,
                                              FrameReport& report) {
   constexpr int kLeastFramesOutOfView = 15;
   for (int i = 0; i < limit; ++i) {
-    if (filter_.landmark_count() + reserve <= kMaxLandmarks || !take(work::kRemoval)) return;
+    if (filter_.landmark_count() + reserve <= kMaxLandmarks || !work_.take(work::kRemoval)) return;
     int longest = -1;
     int frames = kLeastFramesOutOfView;
     for (int slot = 0; slot < filter_.landmark_count(); ++slot) {
@@ -81,9 +81,9 @@ void FrameTracker<Config, Filter>::remove_landmark(int slot, FrameReport& report
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::build_map(const ImageView& image, bool growing,
                                              FrameReport& report) {
-  if (!work_.affords(pool_.work_to_follow())) mapping_cut_ = true;
-  const int dropped =
-      pool_.follow(image, camera_, T_world_camera(), pool_parameters(), scratch_.search, work_);
+  if (!work_.affords(pool_.work_to_follow())) work_.cut_mapping();
+  const int dropped = pool_.follow(image, camera_, T_world_camera(), pool_parameters(),
+                                   scratch_.search, work_.budget());
   health_.candidates_dropped += static_cast<std::uint32_t>(dropped);
   if (growing) promote_candidates(report);
   end_keyframes(false);
@@ -95,8 +95,8 @@ void FrameTracker<Config, Filter>::build_map(const ImageView& image, bool growin
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::begin_candidates(const ImageView& image, FrameReport& report) {
   if (frames_since_keyframe_ < parameters_.keyframe_interval) return;
-  if (!take(work::kKeyframe + work::kProjection * filter_.landmark_count())) {
-    mapping_cut_ = true;
+  if (!work_.take(work::kKeyframe + work::kProjection * filter_.landmark_count())) {
+    work_.cut_mapping();
     return;
   }
   int in_view = pool_.size();
@@ -113,12 +113,12 @@ void FrameTracker<Config, Filter>::begin_candidates(const ImageView& image, Fram
   if (limit <= 0 || pool_.full()) return;
   Corner corners[Supply::kCells];
   typename Supply::Report supplied;
-  const int found =
-      supply_.find(image, parameters_.supply, limit, scratch_.supply, corners, supplied, work_);
+  const int found = supply_.find(image, parameters_.supply, limit, scratch_.supply, corners,
+                                 supplied, work_.budget());
   report.corners += supplied.corners;
   health_.corners_dropped += static_cast<std::uint32_t>(supplied.corners_dropped);
   if (found == 0 || !begin_keyframe()) return;
-  for (int i = 0; i < found && take(work::kAppearance); ++i) {
+  for (int i = 0; i < found && work_.take(work::kAppearance); ++i) {
     const Status status = pool_.add(image, camera_, corners[i].x, corners[i].y,
                                     keyframes_[keyframes_.size() - 1], pool_parameters());
     if (status == Status::kFull) break;
@@ -130,7 +130,7 @@ void FrameTracker<Config, Filter>::promote_candidates(FrameReport& report) {
   for (int i = 0; i < parameters_.max_promotions_per_frame; ++i) {
     Promotion promotion;
     if (!work_.affords(work::kPromotion)) {
-      mapping_cut_ = true;
+      work_.cut_mapping();
       return;
     }
     if (!pool_.promote(camera_, pool_parameters(), promotion)) return;

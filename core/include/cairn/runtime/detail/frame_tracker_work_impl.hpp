@@ -10,13 +10,10 @@ namespace cairn {
 ///   3. the update, with the least informative matches left out where it could not be paid;
 ///   4. the library's looks at a lost place, or the candidates, promotions, new candidates, and
 ///      landmarks that come back.
-/// A map that is never served would leave the vehicle without landmarks: after
-/// `max_frames_without_mapping` such frames the searches get half of one frame's work.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::begin_work() {
-  work_ = WorkBudget(work_limit_);
-  work_.spend(work::kFrame + work::kProjection * filter_.landmark_count());
-  mapping_cut_ = false;
+  work_.begin(work::kFrame + work::kProjection * filter_.landmark_count());
+  image_for_place_ = needs_image_for_place();
 }
 
 template <class Config, class Filter>
@@ -29,23 +26,19 @@ int FrameTracker<Config, Filter>::updating_work(int matches) const {
 /// What searches may take: what is left when the update and a step of the look-up are paid.
 template <class Config, class Filter>
 int FrameTracker<Config, Filter>::searching_work() const {
-  const bool mapping_waits = frames_without_mapping_ >= parameters_.max_frames_without_mapping;
-  int left = mapping_waits ? work_.left() / 2 : work_.left();
+  int look_up = 0;
   if (looks_for_place() && places_.working()) {
-    left -= looked_near_ ? Places::step_work(parameters_.places) : Places::near_work();
+    look_up = looked_near_ ? Places::step_work(parameters_.places) : Places::near_work();
   }
-  const int planned =
-      searches_planned() < filter_.landmark_count() ? searches_planned() : filter_.landmark_count();
-  // A limit that does not pay the update of all of them pays some searches and some updates.
-  const int reserved = updating_work(planned);
-  const int least = left / 2;
-  return left - reserved > least ? left - reserved : least;
+  const int planned = searches_planned();
+  const int landmarks = filter_.landmark_count();
+  return work_.for_searches(look_up, updating_work(planned < landmarks ? planned : landmarks));
 }
 
 /// While the place is looked up, that work takes the place of searches.
 template <class Config, class Filter>
 int FrameTracker<Config, Filter>::searches_planned() const {
-  if (needs_image_for_place()) return 0;
+  if (image_for_place_) return 0;
   return looks_for_place() ? parameters_.max_searches / 2 : parameters_.max_searches;
 }
 
@@ -57,15 +50,6 @@ void FrameTracker<Config, Filter>::afford_update(
     matches.pop_back();
     ++report.deferred;
   }
-}
-
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::end_work(FrameReport& report) {
-  frames_without_mapping_ = mapping_cut_ ? frames_without_mapping_ + 1 : 0;
-  if (mapping_cut_ && report.cut < FrameCut::kNoMapping) report.cut = FrameCut::kNoMapping;
-  if (report.cut != FrameCut::kNone) ++health_.budget_exceeded;
-  health_.searches_deferred += static_cast<std::uint32_t>(report.deferred);
-  report.work = work_.spent();
 }
 
 }  // namespace cairn

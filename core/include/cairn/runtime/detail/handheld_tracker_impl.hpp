@@ -138,7 +138,7 @@ void HandheldTracker<Config>::search(const ImageView& image, SearchPass pass,
       pass == SearchPass::kAll ? SearchOrder::kBestKnown : SearchOrder::kMostUncertain;
   search_landmarks(image, View{filter_}, pass, order, table_, parameters_.search,
                    parameters_.max_searches, scratch_.search, matches, totals, searching);
-  work_.budget().spend(searching.spent());
+  work_.spend(searching.spent());
   report.cut = FrameCut::kNone;
   if (totals.deferred > 0 && totals.searched < parameters_.max_searches) {
     report.cut = totals.searched > 0 ? FrameCut::kFewerUpdates : FrameCut::kPredictionOnly;
@@ -191,8 +191,8 @@ void HandheldTracker<Config>::update(FixedVector<PixelMatch<float>, kMaxFeatures
   const int used = usable ? matches.size() - first : 0;
   UpdateReport of_these;
   const Status status = filter_.update(matches.data() + first, used, random_, of_these);
-  work_.budget().spend(work::mono_update(filter_.state_size(), filter_.feature_count(), used,
-                                         of_these.hypotheses, of_these.nis_dof / 2));
+  work_.spend(work::mono_update(filter_.state_size(), filter_.feature_count(), used,
+                                of_these.hypotheses, of_these.nis_dof / 2));
   if (!ok(status) && used > 0 && first == 0 && ok(report.status)) report.status = status;
   for (int i = first; i < first + used; ++i) {
     report.inliers += ok(status) && matches[i].inlier ? 1 : 0;

@@ -192,7 +192,7 @@ bool HandheldTracker<Config>::confirm(const ImageView& image, float variance,
   refinement.max_iterations = 8;
   refinement.min_inliers = parameters_.min_found;
   PoseEstimate<float> estimate;
-  work_.budget().spend(work::kRefinement);
+  work_.spend(work::kRefinement);
   return ok(refine_pose(camera_, work.observations, found, refinement, T_world_camera, estimate,
                         work.inlier)) &&
          static_cast<float>(estimate.inliers) >= least;
