@@ -101,10 +101,9 @@ class FrameTracker {
     float library_inflation = 4.0F;  ///< of the variances of landmarks taken back
     float map_drift = 0.03F;         ///< of the library's error along the way, m per sqrt(m)
     int relocalise_after = 5;        ///< weak frames
-    int map_anew_after = 8;          ///< looks at a place not recognised, until it is mapped anew
+    int map_anew_after = 8;          ///< looks at a place that the library does not have
     int whole_library_every = 3;     ///< looks: the others compare what odometry lets expect
-    int expected_in_view = 4;  ///< landmarks that make it a known place, by odometry: it is looked
-    int known_patience = 12;   ///< at so many times longer
+    int expected_in_view = 4;        ///< library landmarks by odometry: it has the place
     typename Places::Parameters places;
     int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< for want of work; then mapping gets half of a frame
@@ -182,6 +181,11 @@ class FrameTracker {
   void keep_map(const ImageView& image, Map& map, FrameReport& report);
   void update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
   int support_wanted(const FrameReport& report) const;
+  /// Tiles and shelves are found anywhere, but at a wrong place few of them agree.
+  static int support_of_place(int found, const Parameters& parameters) {
+    const int most = (2 * found + 2) / 3;
+    return most > parameters.min_return_matches ? most : parameters.min_return_matches;
+  }
   bool consistent(const FrameReport& report) const {
     return report.inliers >= parameters_.min_inliers;
   }
@@ -237,7 +241,7 @@ class FrameTracker {
   void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
   bool looks_for_place() const {
     return has_library_ && weak_frames_ >= parameters_.relocalise_after &&
-           unrecognised_ < patience_;
+           unrecognised_ < parameters_.map_anew_after;
   }
   /// Whether this frame's image will be taken to look its place up, no two frames in a row, or to
   /// verify one.
@@ -309,8 +313,7 @@ class FrameTracker {
   bool captured_ = false;         ///< by the last frame that looked for its place
   bool place_found_ = false;      ///< to be verified in the next frame
   bool has_library_ = false;      ///< something to look a place up in
-  int unrecognised_ = 0;
-  int patience_ = 0;
+  int unrecognised_ = 0;          ///< looks at a place that the library does not have
 };
 
 }  // namespace cairn

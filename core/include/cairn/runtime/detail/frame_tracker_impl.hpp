@@ -48,7 +48,6 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   looks_ = 0;
   image_for_place_ = false;
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
-  patience_ = parameters.map_anew_after;
   return Status::kOk;
 }
 
@@ -223,7 +222,7 @@ void FrameTracker<Config, Filter>::keep_map(const ImageView& image, Map& map, Fr
     pool_.clear();
     relocalise(image, *library, map, report);
   }
-  const bool anew = !can_recognise || unrecognised_ >= patience_;
+  const bool anew = !can_recognise || unrecognised_ >= parameters_.map_anew_after;
   if (anew && !known) usual_share_ = 0.0F;
   build_map(image, known || consistent(report) || anew, report);
   if (known && can_recognise) reenter_landmarks(*library, report);
@@ -244,7 +243,8 @@ void FrameTracker<Config, Filter>::update(FixedVector<PixelMatch<float>, kMaxLan
     if (weak_frames_ >= 2 && matches.size() < parameters_.min_return_matches) return;
   }
   OnePointRansacParameters ransac = parameters_.filter.ransac;
-  if (!looked_up) ransac.min_support = support_wanted(report);
+  ransac.min_support =
+      looked_up ? support_of_place(matches.size(), parameters_) : support_wanted(report);
   filter_.set_ransac(ransac);
   const int found = matches.size();
   afford_update(matches, report);

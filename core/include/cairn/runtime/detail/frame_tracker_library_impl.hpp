@@ -203,11 +203,10 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
   if (!place_found_) refuse_place();
 }
 
+/// A camera that shows nothing of a known place is covered, or shows another: no map is made of it.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::note_unrecognised(const Library& library) {
-  ++unrecognised_;
-  patience_ =
-      parameters_.map_anew_after * (in_known_place(library) ? parameters_.known_patience : 1);
+  if (!in_known_place(library)) ++unrecognised_;
 }
 
 /// The camera shows a place of the map where the vehicle cannot be: nothing to map there.
@@ -217,15 +216,15 @@ void FrameTracker<Config, Filter>::refuse_place() {
   unrecognised_ = -4 * parameters_.map_anew_after;
 }
 
-/// Whether the library has much to show where odometry says the vehicle is. If so, a camera that
-/// shows none of it is more likely covered than in a new place.
+/// Whether the library has something to show near where odometry says the vehicle is.
 template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::in_known_place(const Library& library) {
   Rigid<float> T_map_camera = T_world_camera();
   T_map_camera.translation -= map_offset();
   VisibleLandmark<float>* visible = (new (&scratch_.coming_back) ComingBack())->visible;
   VisibilityOptions<float> options;
-  options.min_cosine = 0.9F;
+  options.margin_px = -80.0F;
+  options.min_cosine = 0.7F;
   work_.spend(library.size() * work::kLibrarySlot);
   return find_visible(library, camera_, T_map_camera, options, Span<LandmarkId>{}, visible,
                       kReentryCandidates) >= parameters_.expected_in_view;
@@ -261,7 +260,6 @@ bool FrameTracker<Config, Filter>::plausible(const Rigid<float>& T_map_camera) c
 template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Library& library,
                                              Map& map, FrameReport& report) {
-  constexpr int kMinFound = 6;
   constexpr float kWindowVariance = 16.0F;  // px^2: the pose found, and the way made since
   const Rigid<float> T_map_camera =
       places_.T_map_camera() * (T_world_camera_captured_.inverse() * T_world_camera());
@@ -275,7 +273,8 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
   static_cast<void>(search_expected(image, camera_, T_map_camera, library, memory.visible, count,
                                     kWindowVariance, parameters_.search, memory.search,
                                     memory.matches, work_.budget()));
-  if (memory.matches.size() < kMinFound || 2 * memory.matches.size() < count) return false;
+  const int found = memory.matches.size();
+  if (found < parameters_.min_return_matches || 2 * found < count) return false;
 
   make_room(map, memory.matches.size() + 2, kMaxLandmarks, report);
   for (int i = memory.matches.size() - 1; i >= 0; --i) {
@@ -292,7 +291,7 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
   report.matches = memory.matches.size();
   report.status = Status::kOk;
   update(memory.matches, report);
-  if (report.inliers >= kMinFound) {
+  if (report.inliers > 0) {
     note_matches(image, map, memory.matches, report);
     return true;
   }
