@@ -80,8 +80,8 @@ class FrameTracker {
     typename Pool::Parameters pool;
     float sigma_px = 0.5F;
     float tracked_yaw_rad = 3e-4F;     ///< error of the filter's turn in one frame, while tracking
-    int target_in_view = 40;           ///< landmarks and candidates wanted in view
-    int max_births_per_frame = 16;     ///< new candidates
+    int target_in_view = 32;           ///< landmarks and candidates wanted in view
+    int max_births_per_frame = 6;      ///< new candidates
     int keyframe_interval = 8;         ///< frames between frames with new candidates
     int max_promotions_per_frame = 4;  ///< candidates that become landmarks
     float floor_sigma_m = 0.02F;       ///< how even the floor is; 0: heights tell nothing
