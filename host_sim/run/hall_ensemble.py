@@ -37,16 +37,13 @@ def run(args, name, seed):
         subprocess.run([args.program, "run", "hall", "--max-frames", str(args.frames), "--filter", name,
                         "--seed", str(seed), "--no-video", "--out", out], check=True, stdout=subprocess.DEVNULL)
     frames = read_csv(out / "frames.csv")
-    second = slice(LAP_FRAMES, None)
     mu = [float(row["registration_px"]) if row["registration_px"] else None for row in frames]
     settled = [px for px in mu[SETTLING_FRAMES:] if px is not None]
-    inliers = sum(int(row["inliers"]) for row in frames[second])
-    known = sum(int(row["from_library"]) for row in read_csv(out / "tracking.csv")[second])
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     return {"mu": mu, "mean": summary["registration_px"]["mean"], "p95": summary["registration_px"]["p95"],
             "largest": max(settled), "beyond": 100.0 * sum(px > 6.0 for px in settled) / len(settled),
             "ate": summary["trajectory"]["ate_rmse_m"], "nees": summary["nees"]["mean"], "lost": summary["lost"],
-            "known": 100.0 * known / inliers if inliers else 0.0}
+            "known": summary["map"]["reused"]["sightings_percent"] if args.frames > LAP_FRAMES else 0.0}
 
 
 def write_table(args, runs, seeds):

@@ -28,8 +28,8 @@ instructions than this table says. Renew it with `tests/timing/timing_gate.py --
 """
 # What CI replays: whole frames of the default configuration; few, so that it stays short.
 GATE_TARGET = "cortex-m7"
-GATE_INPUTS = {"hall", "hall-handheld", "seven-scenes", "map-in-view-vehicle", "bred-vehicle",
-               "noise-handheld", "scene-cut-handheld"}
+GATE_INPUTS = {"hall", "hall-handheld", "seven-scenes", "map-in-view-vehicle", "lost-full-library-vehicle",
+               "bred-vehicle", "noise-handheld", "scene-cut-handheld"}
 BEGIN, END = "<!-- gate -->", "<!-- end of gate -->"
 
 
