@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -114,6 +115,22 @@ TEST_F(VehicleWithoutSight, RefusesAPlaceWhereItCannotBe) {
   stand_before(drive().back(), 10, 0.0F);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   EXPECT_NEAR(tracker_->filter().mean_pose().position.x(), static_cast<float>(kWay), 0.05F);
+}
+
+/// Going through such an image would take all of a frame's work, for nothing.
+TEST_F(VehicleWithoutSight, SeesSoonThatNoiseIsNoPlace) {
+  Random random(5);
+  int most_work = 0;
+  for (int k = 0; k < kBlind; ++k) {
+    Image noise(320 * 240);
+    for (std::uint8_t& grey : noise) grey = static_cast<std::uint8_t>(random.next() >> 24U);
+    stand_before(noise, 1, 0.0F);
+    if (k > 6) most_work = std::max(most_work, report_.work);
+  }
+  EXPECT_FALSE(relocalised_);
+  EXPECT_LT(most_work, Vehicle::Parameters{}.places.max_capture_work / 2);
+  stand_before(drive().back(), 10, 0.0F);
+  EXPECT_EQ(report_.state, TrackingState::kTracking);
 }
 
 }  // namespace

@@ -44,7 +44,10 @@ class Relocaliser {
     int min_score = 25;
     int margin_px = 34;
     int min_features = 12;  ///< fewer in an image: nothing to be recognised
-    /// Units of work; an image that has more in it (noise) is not gone through.
+    /// Of the pixels; where more of them are corners, before non-maximum suppression, the image is
+    /// noise: nothing to be recognised.
+    int max_corner_percent = 15;
+    /// Units of work; an image that has more in it is not gone through.
     int max_capture_work = 8000;
     int max_pairs_per_step = 12288;
     int samples_per_step = 24;
@@ -55,7 +58,7 @@ class Relocaliser {
   };
 
   enum class Outcome : std::uint8_t {
-    kNothingToSee,  ///< the image has too few corners
+    kNothingToSee,  ///< the image has too few corners, or far too many
     kWorking,       ///< call step() with the next frame
     kFailed,        ///< the library was gone through, and no pose found
     kFound,         ///< T_map_camera() is the pose of the image that capture() had
@@ -124,10 +127,13 @@ class Relocaliser {
     const int most = parameters.max_capture_work;
     WorkBudget capturing(most < budget.left() ? most : budget.left());
     capturing.spend(kMaxFeatures * work::kDescriptor);
-    for (int i = 0; i < kCells; ++i) {
-      find_best(image, i * kStride % kCells, parameters, corners, capturing);
+    Seen seen;
+    for (int i = 0; i < kCells && !is_noise(seen, parameters); ++i) {
+      find_best(image, i * kStride % kCells, parameters, corners, capturing, seen);
     }
     budget.spend(capturing.spent());
+    working_ = false;
+    if (is_noise(seen, parameters)) return Outcome::kNothingToSee;
     // The best of every cell first: a full matcher is then spread over the whole image.
     for (int k = 0; k < kMaxPerCell; ++k) {
       for (int cell = 0; cell < kCells; ++cell) {
@@ -197,8 +203,20 @@ class Relocaliser {
     return ok(concluded) ? Outcome::kFound : Outcome::kFailed;
   }
 
+  /// Of an image so far.
+  struct Seen {
+    int cells = 0;
+    int pixels = 0;
+    int corners = 0;  // before non-maximum suppression
+  };
+  static bool is_noise(const Seen& seen, const Parameters& parameters) {
+    constexpr int kTelling = 8;  // cells
+    return seen.cells >= kTelling &&
+           seen.corners > seen.pixels / 100 * parameters.max_corner_percent;
+  }
+
   void find_best(const ImageView& image, int cell, const Parameters& parameters,
-                 typename Scratch::Corners& corners, WorkBudget& budget) {
+                 typename Scratch::Corners& corners, WorkBudget& budget, Seen& seen) {
     corners.count[cell] = 0;
     const int width = (image.width + kColumns - 1) / kColumns;
     const int height = (image.height + kRows - 1) / kRows;
@@ -218,6 +236,9 @@ class Relocaliser {
       return;
     }
     budget.spend(work::fast(rect.width(), rect.height(), fast.candidates));
+    ++seen.cells;
+    seen.pixels += rect.width() * rect.height();
+    seen.corners += fast.candidates;
     for (int i = 0; i < fast.found - fast.dropped; ++i) {
       if (found[i].score < parameters.min_score) continue;
       int k = corners.count[cell] < kMaxPerCell ? corners.count[cell]++ : kMaxPerCell - 1;
