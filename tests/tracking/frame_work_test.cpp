@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -9,6 +8,7 @@
 #include "cairn/runtime/replay.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
 
+#include "frame_reports.hpp"
 #include "plane_scene.hpp"
 
 namespace cairn {
@@ -68,15 +68,8 @@ class VehicleWithAWorkLimit : public ::testing::Test {
     }
   }
 
-  int count(FrameCut cut) const {
-    return static_cast<int>(std::count_if(reports_.begin(), reports_.end(),
-                                          [cut](const FrameReport& r) { return r.cut == cut; }));
-  }
-  int most_work() const {
-    int most = 0;
-    for (const FrameReport& report : reports_) most = std::max(most, report.work);
-    return most;
-  }
+  int count(FrameCut cut) const { return test::count_cut(reports_, cut); }
+  int most_work() const { return test::most_work(reports_); }
   double position_error() const {
     return std::abs(static_cast<double>(tracker_->filter().mean_pose().position.x()) -
                     (frame_ - 1) * kStep);

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -7,6 +6,7 @@
 #include "cairn/runtime/handheld_tracker.hpp"
 #include "cairn/runtime/replay.hpp"
 
+#include "frame_reports.hpp"
 #include "two_walls.hpp"
 
 namespace cairn {
@@ -41,15 +41,8 @@ class HandheldWithAWorkLimit : public ::testing::Test {
     ++frame_;
   }
 
-  int count(FrameCut cut) const {
-    return static_cast<int>(std::count_if(reports_.begin(), reports_.end(),
-                                          [cut](const FrameReport& r) { return r.cut == cut; }));
-  }
-  int most_work() const {
-    int most = 0;
-    for (const FrameReport& report : reports_) most = std::max(most, report.work);
-    return most;
-  }
+  int count(FrameCut cut) const { return test::count_cut(reports_, cut); }
+  int most_work() const { return test::most_work(reports_); }
   int usual_inliers() const { return reports_.back().inliers; }
 
   std::unique_ptr<Handheld> tracker_ = std::make_unique<Handheld>();

@@ -38,9 +38,9 @@ class FrameWork {
     return true;
   }
   void spend(int units) { budget_.spend(units); }
-  /// What searches may take where `later` units come first: a lost place's look-up; and `update` is
-  /// what the use of all that they may find would take. A limit that does not pay all of it pays
-  /// some searches and some updates.
+  /// What searches may take. `later`: units kept for the look-up of a lost place; `update`: what
+  /// the use of all that they may find would take. A limit that does not pay all of it pays some
+  /// searches and some updates.
   int for_searches(int later, int update) const {
     const bool mapping_waits = frames_without_mapping_ >= max_frames_without_mapping_;
     const int left = (mapping_waits ? budget_.left() / 2 : budget_.left()) - later;

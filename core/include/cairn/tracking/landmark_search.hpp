@@ -70,6 +70,7 @@ enum class SearchOrder : std::uint8_t { kMostUncertain, kBestKnown };
 struct PlannedSearch {
   PixelPrediction<float> prediction;
   float priority = 0.0F;
+  int most_work = 0;  ///< units that the search may take
 };
 
 /// The landmarks in view, the most uncertain first. Cost: one projection per landmark, an insertion
@@ -117,14 +118,16 @@ void search_landmarks(const ImageView& image, const Filter& filter, SearchPass p
   FixedVector<PlannedSearch, Capacity> plan;
   plan_searches(filter, pass, table, plan);
   int whole = 0;
-  for (const PlannedSearch& entry : plan) whole += most_search_work(entry.prediction, parameters);
+  for (PlannedSearch& entry : plan) {
+    entry.most_work = most_search_work(entry.prediction, parameters);
+    whole += entry.most_work;
+  }
   const bool backwards = when_cut == SearchOrder::kBestKnown && !budget.affords(whole);
 
   const Rigid<float> T_world_camera = filter.T_world_camera();
   for (int i = 0; i < plan.size(); ++i) {
     const PlannedSearch& entry = plan[backwards ? plan.size() - 1 - i : i];
-    if (totals.searched >= max_searches ||
-        !budget.affords(most_search_work(entry.prediction, parameters))) {
+    if (totals.searched >= max_searches || !budget.affords(entry.most_work)) {
       ++totals.deferred;
       continue;
     }

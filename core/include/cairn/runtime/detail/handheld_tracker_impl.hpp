@@ -104,10 +104,14 @@ void HandheldTracker<Config>::track(const ImageView& image, std::int64_t t_us,
   search(image, SearchPass::kAll, matches, report);
   const std::uint32_t searched = ticks.now();
 
+  const int not_searched = report.deferred;
   update(matches, 0, report);
-  if (report.deferred > 0 && report.inliers >= parameters_.min_inliers) {
+  if (not_searched > 0 && report.inliers >= parameters_.min_inliers) {
+    const int unpaid = report.deferred - not_searched;
     const int first = matches.size();
     search(image, SearchPass::kRest, matches, report);
+    report.deferred += unpaid;
+    if (unpaid > 0 && report.cut < FrameCut::kFewerUpdates) report.cut = FrameCut::kFewerUpdates;
     update(matches, first, report);
   }
   judge(report);
