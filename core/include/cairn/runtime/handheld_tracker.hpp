@@ -249,3 +249,4 @@ class HandheldTracker {
 
 #include "cairn/runtime/detail/handheld_tracker_impl.hpp"
 #include "cairn/runtime/detail/handheld_tracker_library_impl.hpp"
+#include "cairn/runtime/detail/handheld_tracker_work_impl.hpp"
