@@ -150,10 +150,6 @@ TYPED_TEST(LandmarkOnPath, LandmarksOfOneMapShareTheErrorOfTheirReference) {
     const Matrix3<double> got = this->filter_.landmark_covariance(this->filter_.find(id));
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(got(i, i), shared(i, i) + own(i, i), 2e-3) << i;
   }
-  ASSERT_TRUE(ok(this->filter_.widen_landmark(kReference, 0.5)));
-  EXPECT_NEAR(this->filter_.landmark_covariance(this->filter_.find(kReference))(0, 0), 0.54, 1e-3);
-  EXPECT_EQ(this->filter_.widen_landmark(99, 0.5), Status::kNotFound);
-  EXPECT_EQ(this->filter_.widen_landmark(kReference, -0.5), Status::kInvalidArgument);
   EXPECT_EQ(this->filter_.add_world_landmark(72, {0, 0, 0}, own, 99), Status::kNotFound);
 }
 

@@ -18,6 +18,7 @@
 #include "cairn/tracking/expected_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
 #include "cairn/tracking/landmark_search.hpp"
+#include "cairn/tracking/map_frame.hpp"
 #include "cairn/tracking/planar_pose_search.hpp"
 #include "cairn/tracking/relocaliser.hpp"
 
@@ -98,12 +99,13 @@ class FrameTracker {
     int mature_sightings = 12;         ///< from then on a landmark is also in the library
     int library_slots_per_frame = 48;  ///< looked through for landmarks that come into view
     int max_reentries_per_frame = 3;
-    float library_inflation = 4.0F;  ///< of the variances of landmarks taken back
-    float map_drift = 0.03F;         ///< of the library's error along the way, m per sqrt(m)
-    int relocalise_after = 5;        ///< weak frames
-    int map_anew_after = 8;          ///< looks at a place that the library does not have
-    int whole_library_every = 3;     ///< looks: the others compare what odometry lets expect
-    int expected_in_view = 4;        ///< library landmarks by odometry: it has the place
+    float library_inflation = 4.0F;    ///< of the variances of landmarks taken back
+    float map_height_sigma_m = 0.02F;  ///< of the library as a whole
+    MapDrift map_drift;                ///< of the library's frame
+    int relocalise_after = 5;          ///< weak frames
+    int map_anew_after = 8;            ///< looks at a place that the library does not have
+    int whole_library_every = 3;       ///< looks: the others compare what odometry lets expect
+    int expected_in_view = 4;          ///< library landmarks by odometry: it has the place
     typename Places::Parameters places;
     int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< for want of work; then mapping gets half of a frame
@@ -231,13 +233,13 @@ class FrameTracker {
   void store(int slot, const TrackedLandmark& landmark, Map& map);
   void reenter_landmarks(const Library& library, FrameReport& report);
   bool reenter(const LibraryLandmark& archived, FrameReport& report);
-  bool ensure_map_reference(const LibraryLandmark& archived);
   bool recently_refused(LandmarkId id) const;
   void pass_milestones();
   bool is_old(LandmarkId id) const {
     return id < milestones_[passed_milestones_ % kMilestones] || id < first_own_id_;
   }
-  Vector3<float> map_offset() const;
+  Rigid<float> T_world_map() const;
+  PlanarPose<float> in_map(const PlanarPose<float>& pose) const;
   void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
   bool looks_for_place() const {
     return has_library_ && weak_frames_ >= parameters_.relocalise_after &&
@@ -293,9 +295,8 @@ class FrameTracker {
   int weak_frames_ = 0;
   float usual_share_ = 0.0F;  ///< of the landmarks looked for, inliers of late
 
-  LandmarkId map_reference_ = kNoLandmark;  ///< stands for the library's common error
-  Vector3<float> map_reference_nominal_ = Vector3<float>::Zero();
-  Vector3<float> map_widened_at_ = Vector3<float>::Zero();
+  MapFrame<Filter> map_frame_;
+  Matrix3<float> tracked_covariance_ = Matrix3<float>::Zero();  ///< of the pose when last tracked
   int next_library_slot_ = 0;
   float way_m_ = 0.0F;
   static constexpr int kMilestones = 8;

@@ -56,18 +56,37 @@ class WorldFrameFilter
                             LandmarkId reference = kNoLandmark, LandmarkId* replaced = nullptr);
 
   /// Adds a place of an old map as a state of its own, which stands for the error that landmarks of
-  /// that map share. Kept and removed as those of add_position(). Errors: as add_landmark().
+  /// that map share. Kept and removed as those of add_position(). Errors: as add_world_landmark().
   Status add_world_position(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
-                            const Matrix<T, LandmarkDim, LandmarkDim>& covariance);
+                            const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
+                            LandmarkId reference = kNoLandmark);
 
-  /// Adds independent noise to a landmark or remembered position: variance in m^2 per axis.
-  /// kInvalidArgument, kNotFound.
-  Status widen_landmark(LandmarkId id, T variance) {
-    const int slot = this->find(id);
-    if (slot < 0) return Status::kNotFound;
-    if (!is_finite(variance) || variance < T(0)) return Status::kInvalidArgument;
-    widen_landmark_by(slot, variance);
-    return Status::kOk;
+  /// Adds a landmark of an old map whose frame is held by two positions of add_world_position(),
+  /// `ahead` referring to `origin`: its error is what turn and offset of that frame make of it plus
+  /// an independent part. With p = origin + lambda (ahead - origin) in complex numbers of the plane
+  /// it is (1 - lambda) that of origin + lambda that of ahead, the height's is origin's. Errors: as
+  /// add_world_landmark(), kInvalidArgument (both in one place).
+  Status add_framed_landmark(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
+                             const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
+                             LandmarkId origin, LandmarkId ahead, LandmarkId* replaced = nullptr);
+
+  /// Adds noise to such a frame: an offset of `position_variance` m^2 per axis, and a turn about
+  /// where the vehicle is of `heading_variance` rad^2. kInvalidArgument, kNotFound.
+  Status widen_frame(LandmarkId origin, LandmarkId ahead, T position_variance, T heading_variance);
+
+  /// Covariance of a landmark's place as seen from the vehicle, in the world's axes, m^2: without
+  /// what the vehicle's own pose is wrong by.
+  Matrix<T, LandmarkDim, LandmarkDim> relative_landmark_covariance(int slot) const {
+    RelativeCovariance<T> relative;
+    this->derived().relative_covariance(slot, relative);
+    Matrix<T, LandmarkDim, LandmarkDim> out;
+    for (int i = 0; i < LandmarkDim; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        out(i, j) = relative.s[i * (i + 1) / 2 + j];
+        out(j, i) = out(i, j);
+      }
+    }
+    return out;
   }
 
   /// Element of the covariance of the filter's own error, pending noise included: EkfSlam (x, y,
@@ -223,10 +242,78 @@ Status CAIRN_WORLD::add_world_landmark(LandmarkId id, const Vector<T, LandmarkDi
 
 CAIRN_WORLD_TEMPLATE
 Status CAIRN_WORLD::add_world_position(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
-                                       const Matrix<T, LandmarkDim, LandmarkDim>& covariance) {
-  const Status status = add_world_landmark(id, p_world, covariance);
+                                       const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
+                                       LandmarkId reference) {
+  const Status status = add_world_landmark(id, p_world, covariance, reference);
   if (ok(status)) this->table_.statistics(this->table_.size() - 1).pinned = true;
   return status;
+}
+
+// Nothing turns with the error of the heading here: in the group's error, xi = p - R(e) p^, the
+// terms -J p^ e of origin, ahead and landmark cancel.
+CAIRN_WORLD_TEMPLATE
+Status CAIRN_WORLD::add_framed_landmark(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
+                                        const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
+                                        LandmarkId origin, LandmarkId ahead, LandmarkId* replaced) {
+  const Status valid = this->check_landmark(p_world, covariance);
+  if (!ok(valid)) return valid;
+  if (this->find(origin) < 0 || this->find(ahead) < 0) return Status::kNotFound;
+  const T* a = p_[this->find(origin)];
+  const T* b = p_[this->find(ahead)];
+  const T arm[2] = {b[0] - a[0], b[1] - a[1]};
+  const T squared = square(arm[0]) + square(arm[1]);
+  if (!(squared > T(0))) return Status::kInvalidArgument;
+  const T d[2] = {p_world(0) - anchor_[0] - a[0], p_world(1) - anchor_[1] - a[1]};
+  const T lambda[2] = {(d[0] * arm[0] + d[1] * arm[1]) / squared,
+                       (d[1] * arm[0] - d[0] * arm[1]) / squared};
+  const Status status = this->make_room(id, replaced);
+  if (!ok(status)) return status;
+  this->derived().add_pending_now();
+  const int slot = this->table_.size();
+  for (int i = 0; i < LandmarkDim; ++i) p_[slot][i] = p_world(i);
+  for (int i = 0; i < 2; ++i) p_[slot][i] -= anchor_[i];
+  const int at_origin = Base::state_of(this->find(origin));  // after make_room, which moves slots
+  const int at_ahead = Base::state_of(this->find(ahead));
+  LandmarkRows rows;
+  for (int i = 0; i < 2; ++i) {
+    const T across = i == 0 ? -lambda[1] : lambda[1];
+    rows.add(i, at_origin + i, T(1) - lambda[0]);
+    rows.add(i, at_origin + 1 - i, -across);
+    rows.add(i, at_ahead + i, lambda[0]);
+    rows.add(i, at_ahead + 1 - i, across);
+  }
+  if constexpr (LandmarkDim > 2) rows.add(2, at_origin + 2, T(1));
+  append_error_rows(this->P_, rows, covariance);
+  this->enter(id);
+  return Status::kOk;
+}
+
+CAIRN_WORLD_TEMPLATE
+Status CAIRN_WORLD::widen_frame(LandmarkId origin, LandmarkId ahead, T position_variance,
+                                T heading_variance) {
+  const int slots[2] = {this->find(origin), this->find(ahead)};
+  if (slots[0] < 0 || slots[1] < 0) return Status::kNotFound;
+  const bool finite = is_finite(position_variance) && is_finite(heading_variance);
+  if (!finite || position_variance < T(0) || heading_variance < T(0)) {
+    return Status::kInvalidArgument;
+  }
+  T by_turn[4];
+  for (int k = 0; k < 2; ++k) {
+    by_turn[2 * k] = x_[1] - p_[slots[k]][1];
+    by_turn[2 * k + 1] = p_[slots[k]][0] - x_[0];
+  }
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      const T shift = i % 2 == j % 2 ? position_variance : T(0);
+      this->P_(Base::state_of(slots[i / 2]) + i % 2, Base::state_of(slots[j / 2]) + j % 2) +=
+          shift + by_turn[i] * heading_variance * by_turn[j];
+    }
+  }
+  if constexpr (LandmarkDim > 2) {
+    const int height = Base::state_of(slots[0]) + 2;
+    this->P_(height, height) += position_variance;
+  }
+  return Status::kOk;
 }
 
 #undef CAIRN_WORLD_TEMPLATE

@@ -33,7 +33,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   frames_since_keyframe_ = parameters.keyframe_interval;
   weak_frames_ = 0;
   usual_share_ = 0.0F;
-  map_reference_ = kNoLandmark;
+  map_frame_.reset();
+  tracked_covariance_ = start.covariance;
   next_library_slot_ = 0;
   way_m_ = 0.0F;
   for (LandmarkId& id : milestones_) id = kNoLandmark;
@@ -56,9 +57,9 @@ void FrameTracker<Config, Filter>::augment(Augmenter& augmenter, const MutableIm
                                            const TickSource& ticks, FrameReport& report) {
   const std::uint32_t start = ticks.now();
   if (state_ == TrackingState::kTracking && augmenter.wants_object()) {
-    Rigid<float> T_world_object = on_floor(filter_.mean_pose());
-    T_world_object.translation = T_world_object * Vector3<float>(3.5F, 0.7F, 0.0F);
-    static_cast<void>(augmenter.place(T_world_object));
+    Rigid<float> T_map_object = T_world_map().inverse() * on_floor(filter_.mean_pose());
+    T_map_object.translation = T_map_object * Vector3<float>(3.5F, 0.7F, 0.0F);
+    static_cast<void>(augmenter.place(T_map_object));
   }
   if (state_ != TrackingState::kLost) augmenter.draw(camera_, report.T_world_camera, overlay);
   report.stage_ticks[static_cast<int>(Stage::kRender)] = ticks.now() - start;
@@ -190,8 +191,7 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   note_matches(image, map, matches, report);
   keep_map(image, map, report);
   judge(report);
-  report.T_world_camera = T_world_camera();
-  report.T_world_camera.translation -= map_offset();
+  report.T_world_camera = T_world_map().inverse() * T_world_camera();
   pass_milestones();
   report.landmarks = filter_.landmark_count();
   work_.end(report, health_);
@@ -336,6 +336,7 @@ void FrameTracker<Config, Filter>::judge(FrameReport& report) {
   if (report.inliers >= parameters_.min_inliers) {
     weak_frames_ = 0;
     state_ = TrackingState::kTracking;
+    tracked_covariance_ = filter_.pose_covariance();
     constexpr float kOfLate = 0.1F;  // ten frames
     constexpr int kTelling = 8;
     if (report.searched >= kTelling) {

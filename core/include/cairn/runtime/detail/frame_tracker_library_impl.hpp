@@ -12,16 +12,25 @@ void FrameTracker<Config, Filter>::tell(Map& map, typename Map::Message::Kind ki
   if (!map.messages.push(message)) ++health_.map_messages_dropped;
 }
 
-/// Hands a landmark to the map builder, in the coordinates of the library.
+/// Hands a landmark to the map builder, in the coordinates of the library, as sure as it is beside
+/// the vehicle: what the vehicle's pose is wrong by, it shares with the map around it.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::store(int slot, const TrackedLandmark& landmark, Map& map) {
-  const Vector3<float> offset = map_offset();
+  const Rigid<float> T_map_world = T_world_map().inverse();
+  const Matrix3<float> R = T_map_world.rotation.toRotationMatrix();
   typename Map::Message message;
   message.kind = Map::Message::Kind::kStore;
   LibraryLandmark& archived = message.landmark;
   archived.id = landmark.id;
-  archived.p_world = filter_.mean_landmark(slot) - offset;
-  archived.covariance = filter_.landmark_covariance(slot);
+  archived.p_world = T_map_world * filter_.mean_landmark(slot);
+  Matrix3<float> covariance;
+  if constexpr (kTakesLandmarksBack) {
+    covariance = filter_.relative_landmark_covariance(slot);
+  } else {
+    covariance = filter_.landmark_covariance(slot);
+  }
+  const Matrix3<float> turned = R * covariance * R.transpose();
+  archived.covariance = 0.5F * (turned + turned.transpose());
   archived.searches = static_cast<std::uint16_t>(clamp(landmark.predicted, 0, 0xFFFF));
   archived.sightings =
       static_cast<std::uint16_t>(clamp(landmark.measured, 0, int{archived.searches}));
@@ -30,8 +39,7 @@ void FrameTracker<Config, Filter>::store(int slot, const TrackedLandmark& landma
   view.descriptor = landmark.appearance.descriptor;
   view.pose.scale_index = landmark.appearance.scale_index;
   view.focal_px = 0.5F * (camera_.fx + camera_.fy);
-  view.T_world_reference = landmark.appearance.T_world_reference;
-  view.T_world_reference.translation -= offset;
+  view.T_world_reference = T_map_world * landmark.appearance.T_world_reference;
   if (map.messages.push(message)) {
     ++health_.landmarks_archived;
   } else {
@@ -39,38 +47,24 @@ void FrameTracker<Config, Filter>::store(int slot, const TrackedLandmark& landma
   }
 }
 
-/// Where the library's coordinates lie in the filter's: the filter estimates it while a reference
-/// is in its state.
+/// The library's frame in the filter's world.
 template <class Config, class Filter>
-Vector3<float> FrameTracker<Config, Filter>::map_offset() const {
-  const int slot = filter_.find(map_reference_);
-  if (slot < 0) return Vector3<float>::Zero();
-  return filter_.mean_landmark(slot) - map_reference_nominal_;
+Rigid<float> FrameTracker<Config, Filter>::T_world_map() const {
+  if constexpr (kTakesLandmarksBack) {
+    return map_frame_.T_world_map(filter_);
+  } else {
+    return {};
+  }
 }
 
-/// Landmarks of one old map err together: a state of its own holds what they share, so that many of
-/// them do not weigh more than their map does. Its variance is that of the landmark that came back
-/// first, and grows along the way as the map's own drift did.
 template <class Config, class Filter>
-bool FrameTracker<Config, Filter>::ensure_map_reference(const LibraryLandmark& archived) {
-  if constexpr (kTakesLandmarksBack) {
-    const Vector3<float> here = on_floor(filter_.mean_pose()).translation;
-    if (filter_.find(map_reference_) >= 0) {
-      const float way = sqrt((here - map_widened_at_).squaredNorm());
-      map_widened_at_ = here;
-      return ok(filter_.widen_landmark(map_reference_, square(parameters_.map_drift) * way));
-    }
-    if (!ok(filter_.add_world_position(next_id_, archived.p_world, archived.covariance))) {
-      return false;
-    }
-    map_reference_ = next_id_++;
-    map_reference_nominal_ = archived.p_world;
-    map_widened_at_ = here;
-    return true;
-  } else {
-    static_cast<void>(archived);
-    return false;
-  }
+PlanarPose<float> FrameTracker<Config, Filter>::in_map(const PlanarPose<float>& pose) const {
+  const Rigid<float> T_map_vehicle = T_world_map().inverse() * on_floor(pose);
+  const Vector3<float> ahead = T_map_vehicle.rotation * Vector3<float>(1.0F, 0.0F, 0.0F);
+  PlanarPose<float> out;
+  out.position = T_map_vehicle.translation.template head<2>();
+  out.heading = atan2(ahead.y(), ahead.x());
+  return out;
 }
 
 template <class Config, class Filter>
@@ -110,8 +104,7 @@ void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, Fra
   if (next_library_slot_ >= library.size()) next_library_slot_ = 0;
   const LibrarySlice slice{next_library_slot_, parameters_.library_slots_per_frame};
   next_library_slot_ += slice.count;
-  Rigid<float> T_map_camera = T_world_camera();
-  T_map_camera.translation -= map_offset();
+  const Rigid<float> T_map_camera = T_world_map().inverse() * T_world_camera();
   VisibleLandmark<float>* visible = (new (&scratch_.coming_back) ComingBack())->visible;
   const int count =
       find_visible(library, slice, camera_, T_map_camera, options,
@@ -127,11 +120,14 @@ void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, Fra
 template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::reenter(const LibraryLandmark& archived, FrameReport& report) {
   if constexpr (kTakesLandmarksBack) {
-    if (!ensure_map_reference(archived)) return false;
-    const Vector3<float> offset = map_offset();
-    if (!ok(filter_.add_world_landmark(archived.id, archived.p_world + offset,
-                                       parameters_.library_inflation * archived.covariance,
-                                       map_reference_))) {
+    if (map_frame_.entered(filter_)) {
+      map_frame_.follow(filter_, parameters_.map_drift);
+    } else if (!ok(map_frame_.enter(filter_, next_id_, tracked_covariance_,
+                                    square(parameters_.map_height_sigma_m)))) {
+      return false;
+    }
+    if (!ok(map_frame_.add(filter_, archived.id, archived.p_world,
+                           parameters_.library_inflation * archived.covariance))) {
       return false;
     }
     TrackedLandmark landmark;
@@ -141,8 +137,7 @@ bool FrameTracker<Config, Filter>::reenter(const LibraryLandmark& archived, Fram
     Appearance& appearance = landmark.appearance;
     appearance.descriptor = archived.views[0].descriptor;
     appearance.scale_index = archived.views[0].pose.scale_index;
-    appearance.T_world_reference = archived.views[0].T_world_reference;
-    appearance.T_world_reference.translation += offset;
+    appearance.T_world_reference = T_world_map() * archived.views[0].T_world_reference;
     appearance.has_patch = false;
     table_.add(landmark);
     ++report.reentered;
@@ -177,8 +172,7 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     captured_ = image_for_place_ && work_.affords(Places::least_capture_work(image));
     if (!captured_) return;
     T_world_camera_captured_ = T_world_camera();
-    prior_captured_ = {filter_.mean_pose(), filter_.pose_covariance()};
-    prior_captured_.pose.position -= map_offset().template head<2>();
+    prior_captured_ = {in_map(filter_.mean_pose()), filter_.pose_covariance()};
     looked_near_ = false;
     static_cast<void>(places_.capture(image, parameters_.places, scratch_.places, work_.budget()));
     return;
@@ -219,8 +213,7 @@ void FrameTracker<Config, Filter>::refuse_place() {
 /// Whether the library has something to show near where odometry says the vehicle is.
 template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::in_known_place(const Library& library) {
-  Rigid<float> T_map_camera = T_world_camera();
-  T_map_camera.translation -= map_offset();
+  const Rigid<float> T_map_camera = T_world_map().inverse() * T_world_camera();
   VisibleLandmark<float>* visible = (new (&scratch_.coming_back) ComingBack())->visible;
   VisibilityOptions<float> options;
   options.margin_px = -80.0F;
@@ -237,8 +230,7 @@ bool FrameTracker<Config, Filter>::plausible(const Rigid<float>& T_map_camera) c
   constexpr float kMaxHeight_m = 0.3F;
   constexpr float kMapVariance = 0.01F;  // m^2, rad^2: of a pose told by one image
   constexpr float kGateDof3 = 21.11F;    // 99.99 %
-  Rigid<float> T_world_camera = T_map_camera;
-  T_world_camera.translation += map_offset();
+  const Rigid<float> T_world_camera = T_world_map() * T_map_camera;
   const Rigid<float> T_expected_found =
       (T_world_camera_captured_ * T_vehicle_camera_.inverse()).inverse() *
       (T_world_camera * T_vehicle_camera_.inverse());
