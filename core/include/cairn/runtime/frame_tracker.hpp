@@ -105,6 +105,7 @@ class FrameTracker {
     int relocalise_after = 5;          ///< weak frames
     int map_anew_after = 8;            ///< looks at a place that the library does not have
     int whole_library_every = 3;       ///< looks: the others compare what odometry lets expect
+    float min_found_share = 0.7F;      ///< of what the library should show from a place looked up
     int expected_in_view = 4;          ///< library landmarks by odometry: it has the place
     typename Places::Parameters places;
     int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart

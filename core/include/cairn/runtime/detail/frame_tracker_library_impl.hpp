@@ -266,7 +266,8 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
                                     kWindowVariance, parameters_.search, memory.search,
                                     memory.matches, work_.budget()));
   const int found = memory.matches.size();
-  if (found < parameters_.min_return_matches || 2 * found < count) return false;
+  const float wanted = parameters_.min_found_share * static_cast<float>(count);
+  if (found < parameters_.min_return_matches || static_cast<float>(found) < wanted) return false;
 
   make_room(map, memory.matches.size() + 2, kMaxLandmarks, report);
   for (int i = memory.matches.size() - 1; i >= 0; --i) {
