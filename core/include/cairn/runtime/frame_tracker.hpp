@@ -86,7 +86,7 @@ class FrameTracker {
     int keyframe_interval = 8;         ///< frames between frames with new candidates
     int max_promotions_per_frame = 4;  ///< candidates that become landmarks
     float floor_sigma_m = 0.02F;       ///< how even the floor is; 0: heights tell nothing
-    float floor_told_m = 0.05F;        ///< a height known so well tells floor from other things
+    float floor_told_m = 0.08F;        ///< a height known so well tells floor from other things
     float floor_gate = 3.84F;          ///< 95 %
     int max_searches = 40;
     int min_inliers = 4;

@@ -319,7 +319,6 @@ template <class Config, class Filter>
 void FrameTracker<Config, Filter>::use_floor(TrackedLandmark& landmark) {
   if (landmark.height_told || landmark.from_library) return;
   if (!(parameters_.floor_sigma_m > 0.0F)) return;
-  if (landmark.measured < parameters_.mature_sightings) return;
   const int slot = filter_.find(landmark.id);
   const float variance = filter_.landmark_covariance(slot)(2, 2);
   if (variance > square(parameters_.floor_told_m)) return;
