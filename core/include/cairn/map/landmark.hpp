@@ -27,7 +27,7 @@ struct MapLandmark {
   static constexpr int kViews = Views;
   LandmarkId id = kNoLandmark;
   Vector3<T> p_world = Vector3<T>::Zero();     ///< m
-  Matrix3<T> covariance = Matrix3<T>::Zero();  ///< of p_world, m^2
+  Matrix3<T> covariance = Matrix3<T>::Zero();  ///< own part, beside the map as a whole, m^2
   std::uint16_t sightings = 0;  ///< times it was found where it was looked for; saturates
   std::uint16_t searches = 0;   ///< times it was looked for; saturates, with sightings halved too
   std::uint8_t view_count = 0;  ///< 1 .. Views
