@@ -11,17 +11,6 @@ struct SmallConfig : DefaultConfig {
   static constexpr int kLibraryLandmarks = 24;
 };
 
-inline PinholeCamera<float> plain_camera() {
-  PinholeCamera<float> camera;
-  camera.fx = 500;
-  camera.fy = 500;
-  camera.cx = 320;
-  camera.cy = 240;
-  camera.width = 640;
-  camera.height = 480;
-  return camera;
-}
-
 /// Landmarks in a room of 10 m, each described from 2 to 4 m away.
 class LandmarkMaker {
  public:

@@ -3,13 +3,14 @@
 #include <gtest/gtest.h>
 
 #include "map_fixture.hpp"
+#include "vga_camera.hpp"
 
 namespace cairn {
 namespace {
 
 using test::LandmarkMaker;
-using test::plain_camera;
 using test::SmallConfig;
+using test::vga_camera;
 
 MapLandmark<float> seen_from_origin(LandmarkMaker& maker, LandmarkId id,
                                     const Vector3<float>& p_world) {
@@ -23,7 +24,7 @@ MapLandmark<float> seen_from_origin(LandmarkMaker& maker, LandmarkId id,
 
 TEST(PredictView, TheReferencePoseGivesTheReferenceBack) {
   LandmarkMaker maker(1);
-  const auto camera = plain_camera();
+  const auto camera = vga_camera<float>();
   for (int i = 0; i < 50; ++i) {
     auto l = seen_from_origin(maker, 1, Vector3<float>(0.5F, -0.4F, 2.0F));
     l.views[0].pose.orientation_bin = static_cast<std::uint8_t>(5 * i);
@@ -38,7 +39,7 @@ TEST(PredictView, TheReferencePoseGivesTheReferenceBack) {
 
 TEST(PredictView, RollOfTheCameraTurnsThePatternBack) {
   LandmarkMaker maker(2);
-  const auto camera = plain_camera();
+  const auto camera = vga_camera<float>();
   for (int bin = 0; bin < 256; bin += 8) {
     const auto l = seen_from_origin(maker, 1, Vector3<float>(0.02F, 0.01F, 3.0F));
     Rigid<float> pose;  // camera turned clockwise: the image turns the other way
@@ -52,7 +53,7 @@ TEST(PredictView, RollOfTheCameraTurnsThePatternBack) {
 
 TEST(PredictView, ComingNearerRaisesTheScale) {
   LandmarkMaker maker(3);
-  const auto camera = plain_camera();
+  const auto camera = vga_camera<float>();
   const auto l = seen_from_origin(maker, 1, Vector3<float>(0, 0, 4));
   Rigid<float> pose;
   pose.translation.z() = 2;
@@ -69,7 +70,7 @@ TEST(PredictView, ComingNearerRaisesTheScale) {
 
 TEST(FindVisible, GivesWhatAPoseShouldSeeMostWorthFirst) {
   LandmarkMaker maker(4);
-  const auto camera = plain_camera();
+  const auto camera = vga_camera<float>();
   MapLibrary<SmallConfig> library;
   Health health;
   const auto add = [&](LandmarkId id, const Vector3<float>& p, int sightings) {
@@ -106,7 +107,7 @@ TEST(FindVisible, GivesWhatAPoseShouldSeeMostWorthFirst) {
 
 TEST(FindVisible, LeavesOutViewsThatCannotBeMatched) {
   LandmarkMaker maker(5);
-  const auto camera = plain_camera();
+  const auto camera = vga_camera<float>();
   MapLibrary<SmallConfig> library;
   Health health;
   ASSERT_TRUE(ok(library.insert(seen_from_origin(maker, 1, {0, 0, 3}), health)));
@@ -127,7 +128,7 @@ TEST(FindVisible, LeavesOutViewsThatCannotBeMatched) {
 
 TEST(FindVisible, TheNearestViewIsChosen) {
   LandmarkMaker maker(6);
-  const auto camera = plain_camera();
+  const auto camera = vga_camera<float>();
   MapLibrary<SmallConfig, 2> library;
   Health health;
   MapLandmark<float, 2> l = maker.landmark<2>(1);

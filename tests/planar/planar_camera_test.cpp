@@ -7,6 +7,7 @@
 #include "cairn/planar/lifted_iekf_slam.hpp"
 
 #include "planar_world.hpp"
+#include "vga_camera.hpp"
 
 namespace cairn {
 namespace {
@@ -17,25 +18,12 @@ using planar_test::start;
 using planar_test::Step;
 using planar_test::WorldSettings;
 
-PinholeCamera<double> test_camera() {
-  PinholeCamera<double> c;
-  c.fx = 500;
-  c.fy = 500;
-  c.cx = 320;
-  c.cy = 240;
-  c.width = 640;
-  c.height = 480;
-  return c;
-}
-
 /// Camera on the vehicle: looking forward, then turned by yaw and pitch (down positive).
 Rigid<double> mounting(double yaw, double pitch, const Vector3<double>& at) {
-  Eigen::Matrix3d forward;
-  forward << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   const Eigen::Matrix3d turned = (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
                                   Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()))
                                      .toRotationMatrix() *
-                                 forward;
+                                 test::looking_ahead<double>();
   Rigid<double> T_vehicle_camera;
   T_vehicle_camera.rotation = Quaternion<double>(turned);
   T_vehicle_camera.translation = at;
@@ -66,7 +54,7 @@ struct CameraSettings {
 template <class Filter>
 CameraRun run_camera(Filter& filter, const Drive& drive, const CameraSettings& settings,
                      unsigned seed) {
-  const PinholeCamera<double> camera = test_camera();
+  const PinholeCamera<double> camera = test::vga_camera<double>();
   std::mt19937_64 generator(seed);
   std::normal_distribution<double> normal(0.0, 1.0);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
@@ -242,7 +230,7 @@ TYPED_TEST(PlanarCameraFilter, WithoutConsensusTheStateIsEqualToTheBit) {
   Hash64 before;
   filter.hash(before);
   const Rigid<double> mount = CameraSettings{}.T_vehicle_camera;
-  const PinholeCamera<double> camera = test_camera();
+  const PinholeCamera<double> camera = test::vga_camera<double>();
   std::vector<PixelMatch<double>> matches;
   for (int slot = 0; slot < filter.landmark_count(); ++slot) {
     PixelPrediction<double> prediction;
@@ -323,7 +311,7 @@ TYPED_TEST(PlanarCameraFilter, ARefusedHeightLeavesTheStateEqualToTheBit) {
 
 /// Rows by the relative vector against differences of the projection, heading and pitch included.
 TEST(PlanarCamera, RowsAgreeWithDifferences) {
-  PinholeCamera<double> camera = test_camera();
+  PinholeCamera<double> camera = test::vga_camera<double>();
   camera.k1 = -0.1;
   camera.p1 = 1e-3;
   detail::CameraView<double> view(camera, mounting(0.3, 0.2, {0.3, 0.1, 0.5}), 1.0);

@@ -7,28 +7,10 @@
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/planar/lifted_iekf_slam.hpp"
 
+#include "vga_camera.hpp"
+
 namespace cairn {
 namespace {
-
-PinholeCamera<double> wide_camera() {
-  PinholeCamera<double> camera;
-  camera.fx = 300;
-  camera.fy = 300;
-  camera.cx = 320;
-  camera.cy = 240;
-  camera.width = 640;
-  camera.height = 480;
-  return camera;
-}
-
-/// Looks along the vehicle's x axis.
-Rigid<double> looking_forward() {
-  Eigen::Matrix3d rotation;
-  rotation << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  Rigid<double> T_vehicle_camera;
-  T_vehicle_camera.rotation = Quaternion<double>(rotation);
-  return T_vehicle_camera;
-}
 
 /// A vehicle that is 3 cm ahead of where its filter has it (10 cm standard deviation). The first
 /// landmark is 31 cm away for the filter and 28 cm in truth, nearer than the 30 cm that a pixel row
@@ -57,22 +39,28 @@ class SecondLook : public ::testing::Test {
         landmarks_[static_cast<std::size_t>(landmark)] - Vector3<double>(kAhead, 0.0, 0.0);
     PixelMatch<double> match;
     match.id = static_cast<LandmarkId>(landmark + 1);
-    EXPECT_TRUE(ok(camera_.project(looking_forward().inverse() * from_truth, match.pixel)));
+    EXPECT_TRUE(ok(camera_.project(
+        Rigid<double>{Quaternion<double>(test::looking_ahead<double>()), Vector3<double>::Zero()}
+                .inverse() *
+            from_truth,
+        match.pixel)));
     return match;
   }
 
   UpdateReport update(PixelMatch<double>* matches, int count) {
     UpdateReport report;
     Random random(1);
-    EXPECT_EQ(
-        filter_.update_pixels(camera_, looking_forward(), 1.0, matches, count, random, report),
-        Status::kOk);
+    EXPECT_EQ(filter_.update_pixels(camera_,
+                                    Rigid<double>{Quaternion<double>(test::looking_ahead<double>()),
+                                                  Vector3<double>::Zero()},
+                                    1.0, matches, count, random, report),
+              Status::kOk);
     return report;
   }
 
   const std::array<Vector3<double>, 4> landmarks_ = {
       {{0.31, 0.05, 0.02}, {2.0, 0.5, 0.9}, {2.0, -0.8, 0.7}, {2.5, 0.3, -1.1}}};
-  PinholeCamera<double> camera_ = wide_camera();
+  PinholeCamera<double> camera_ = test::vga_camera(300.0);
   Filter filter_;
 };
 

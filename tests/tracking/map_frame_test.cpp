@@ -7,27 +7,16 @@
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 
+#include "vga_camera.hpp"
+
 namespace cairn {
 namespace {
 
 constexpr int kCount = 10;
 
-PinholeCamera<float> test_camera() {
-  PinholeCamera<float> camera;
-  camera.fx = 500.0F;
-  camera.fy = 500.0F;
-  camera.cx = 320.0F;
-  camera.cy = 240.0F;
-  camera.width = 640;
-  camera.height = 480;
-  return camera;
-}
-
 /// Looking ahead, 0.4 m above the floor.
 Rigid<float> mounting() {
-  Matrix3<float> R;
-  R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return {Quaternion<float>(R), Vector3<float>(0.1F, 0.0F, 0.4F)};
+  return {Quaternion<float>(test::looking_ahead<float>()), Vector3<float>(0.1F, 0.0F, 0.4F)};
 }
 
 /// Landmarks of the map, in its coordinates: ahead of the vehicle at `pose`.
@@ -69,12 +58,13 @@ class MapFrameTest : public testing::Test {
       PixelMatch<float>& match = matches[k - first];
       match.id = static_cast<LandmarkId>(100 + k);
       match.slot = filter_.find(match.id);
-      EXPECT_TRUE(ok(test_camera().project(T_camera_map * landmark(pose_, k), match.pixel)));
+      EXPECT_TRUE(
+          ok(test::vga_camera<float>().project(T_camera_map * landmark(pose_, k), match.pixel)));
     }
     Random random(1);
     UpdateReport report;
-    EXPECT_TRUE(ok(filter_.update_pixels(test_camera(), mounting(), 0.5F, matches, last - first,
-                                         random, report)));
+    EXPECT_TRUE(ok(filter_.update_pixels(test::vga_camera<float>(), mounting(), 0.5F, matches,
+                                         last - first, random, report)));
     return report.low_innovation + report.high_innovation;
   }
 
@@ -134,9 +124,10 @@ TYPED_TEST(MapFrameTest, PlacesLaterLandmarksByWhatEarlierOnesTold) {
   PixelPrediction<float> prediction;
   for (int k = 6; k < kCount; ++k) {
     const int slot = this->filter_.find(static_cast<LandmarkId>(100 + k));
-    ASSERT_TRUE(ok(this->filter_.predict_pixel(slot, test_camera(), mounting(), 0.5F, prediction)));
+    ASSERT_TRUE(ok(this->filter_.predict_pixel(slot, test::vga_camera<float>(), mounting(), 0.5F,
+                                               prediction)));
     Vector2<float> pixel;
-    ASSERT_TRUE(ok(test_camera().project(
+    ASSERT_TRUE(ok(test::vga_camera<float>().project(
         (on_floor(this->pose_) * mounting()).inverse() * (on_floor(map) * landmark(this->pose_, k)),
         pixel)));
     const Vector2<float> off = pixel - prediction.pixel;

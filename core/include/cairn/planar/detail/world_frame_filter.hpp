@@ -143,6 +143,13 @@ class WorldFrameFilter
     for (int i = 0; i < 2; ++i) p[i] += x_[i];
   }
 
+  /// The same for a landmark known in the world.
+  void place_in_world(const Vector<T, LandmarkDim>& p_world) {
+    T* p = p_[this->table_.size()];
+    for (int i = 0; i < LandmarkDim; ++i) p[i] = p_world(i);
+    for (int i = 0; i < 2; ++i) p[i] -= anchor_[i];
+  }
+
   void append_landmark(const Vector<T, LandmarkDim>& y, const LandmarkMatrix& R) {
     this->derived().add_pending_now();
     const LandmarkMatrix rotation = vehicle_axes();
@@ -225,11 +232,9 @@ Status CAIRN_WORLD::add_world_landmark(LandmarkId id, const Vector<T, LandmarkDi
   const Status status = this->make_room(id, replaced);
   if (!ok(status)) return status;
   this->derived().add_pending_now();
-  const int slot = this->table_.size();
-  for (int i = 0; i < LandmarkDim; ++i) p_[slot][i] = p_world(i);
-  for (int i = 0; i < 2; ++i) p_[slot][i] -= anchor_[i];
+  place_in_world(p_world);
   LandmarkRows rows;
-  this->derived().rows_in_world(slot, rows, T(1));
+  this->derived().rows_in_world(this->table_.size(), rows, T(1));
   if (reference != kNoLandmark) {
     const int shared = this->find(reference);  // after make_room, which moves slots
     this->derived().rows_in_world(shared, rows, T(-1));
@@ -269,9 +274,7 @@ Status CAIRN_WORLD::add_framed_landmark(LandmarkId id, const Vector<T, LandmarkD
   const Status status = this->make_room(id, replaced);
   if (!ok(status)) return status;
   this->derived().add_pending_now();
-  const int slot = this->table_.size();
-  for (int i = 0; i < LandmarkDim; ++i) p_[slot][i] = p_world(i);
-  for (int i = 0; i < 2; ++i) p_[slot][i] -= anchor_[i];
+  place_in_world(p_world);
   const int at_origin = Base::state_of(this->find(origin));  // after make_room, which moves slots
   const int at_ahead = Base::state_of(this->find(ahead));
   LandmarkRows rows;
