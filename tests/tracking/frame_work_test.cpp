@@ -1,70 +1,30 @@
 #include <cmath>
-#include <memory>
 #include <vector>
 
-#include <gtest/gtest.h>
-
-#include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/runtime/replay.hpp"
-#include "cairn/runtime/vehicle_tracker.hpp"
 
 #include "frame_reports.hpp"
-#include "plane_scene.hpp"
+#include "vehicle_by_a_wall.hpp"
 
 namespace cairn {
 namespace {
 
-using Filter = GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
-using Vehicle = VehicleTracker<DefaultConfig, Filter>;
-using Image = std::vector<std::uint8_t>;
-
 constexpr int kOwnLimit = -1;
 
-/// GIVEN a vehicle that drives along a wall, which its camera looks at.
-class VehicleWithAWorkLimit : public ::testing::Test {
+class VehicleWithAWorkLimit : public test::VehicleByAWall {
  protected:
-  static constexpr double kStep = 0.02;
-  static constexpr std::int64_t kStepUs = 33333;
   static constexpr int kWarm = 40;
 
-  static const Image& picture(int frame) {
-    static std::vector<Image> images;
-    static const test::PlaneScene scene(2.0, 0.22);
-    while (static_cast<int>(images.size()) <= frame) {
-      const double x = static_cast<double>(images.size()) * kStep;
-      images.push_back(
-          scene.render(test::small_camera(), {Quaternion<double>::Identity(), {x, 0, 0}}));
-    }
-    return images[static_cast<std::size_t>(frame)];
-  }
-
-  VehicleWithAWorkLimit() {
-    const Rigid<float> T_vehicle_camera{{0.70710678F, -0.70710678F, 0.0F, 0.0F},
-                                        {0.0F, 0.0F, 1.0F}};
-    Vehicle::Start start;
-    start.covariance = 1e-8F * Matrix3<float>::Identity();
-    Vehicle::Parameters parameters;
-    parameters.odometry = {0.02F, 0.02F, 0.5F, 0.033333F};
-    EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), T_vehicle_camera,
-                                        start, parameters)));
-  }
+  VehicleWithAWorkLimit() : VehicleByAWall(0.02F, 0.02F) {}
 
   void drive(int frames, int limit) {
     const int own = Vehicle::Parameters{}.work_limit;
     EXPECT_TRUE(ok(tracker_->set_work_limit(limit == kOwnLimit ? own : limit)));
     reports_.clear();
     for (int k = 0; k < frames; ++k) {
-      OdometrySample sample;
-      sample.t_us = frame_ * kStepUs;
-      sample.speed_mps = frame_ == 0 ? 0.0F : static_cast<float>(kStep / (1e-6 * kStepUs));
-      EXPECT_TRUE(ok(tracker_->add_odometry(sample)));
-      FrameReport report;
-      static_cast<void>(tracker_->process_frame(test::view(picture(frame_), test::small_camera()),
-                                                sample.t_us, TickSource{}, report));
-      EXPECT_EQ(report.t_us, sample.t_us);
-      reports_.push_back(report);
-      hash_.add(frame_hash(*tracker_, report));
-      ++frame_;
+      step(picture(frame_), kStep);
+      reports_.push_back(report_);
+      hash_.add(frame_hash(*tracker_, report_));
     }
   }
 
@@ -75,10 +35,8 @@ class VehicleWithAWorkLimit : public ::testing::Test {
                     (frame_ - 1) * kStep);
   }
 
-  std::unique_ptr<Vehicle> tracker_ = std::make_unique<Vehicle>();
   std::vector<FrameReport> reports_;
   Hash64 hash_;
-  int frame_ = 0;
 };
 
 TEST_F(VehicleWithAWorkLimit, GivesNothingUpUnderItsOwnLimit) {

@@ -1,88 +1,41 @@
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <vector>
 
-#include <gtest/gtest.h>
-
-#include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/runtime/vehicle_tracker.hpp"
-
-#include "plane_scene.hpp"
+#include "vehicle_by_a_wall.hpp"
 
 namespace cairn {
 namespace {
 
-using Filter = GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
-using Vehicle = VehicleTracker<DefaultConfig, Filter>;
-using Image = std::vector<std::uint8_t>;
-
 /// GIVEN a vehicle that drove along a wall, which its camera looks at, and then stands, while its
 /// gyroscope goes on to tell of a turn that there is not, and the camera shows something else.
-class VehicleWithoutSight : public ::testing::Test {
+class VehicleWithoutSight : public test::VehicleByAWall {
  protected:
   static constexpr int kDriven = 60;
   static constexpr int kBlind = 30;
-  static constexpr double kStep = 0.02;
-  static constexpr std::int64_t kStepUs = 33333;
   static constexpr float kFalseTurn = 0.2F;  // rad/s: 0.2 rad, or 50 px, while blind
 
-  static std::vector<Image>& drive() {
-    static std::vector<Image> images;
-    if (!images.empty()) return images;
-    const test::PlaneScene scene(2.0, 0.22);
-    for (int k = 0; k < kDriven; ++k) {
-      images.push_back(
-          scene.render(test::small_camera(), {Quaternion<double>::Identity(), {k * kStep, 0, 0}}));
-    }
-    return images;
-  }
-
-  VehicleWithoutSight() {
-    const Rigid<float> T_vehicle_camera{{0.70710678F, -0.70710678F, 0.0F, 0.0F},
-                                        {0.0F, 0.0F, 1.0F}};
-    Vehicle::Start start;
-    start.covariance = 1e-8F * Matrix3<float>::Identity();
-    Vehicle::Parameters parameters;
-    parameters.odometry = {0.02F, 0.6F, 0.5F, 0.033333F};
-    EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), T_vehicle_camera,
-                                        start, parameters)));
-    for (int k = 0; k < kDriven; ++k) {
-      step(drive()[static_cast<std::size_t>(k)], static_cast<float>(kStep / 0.033333), 0.0F);
-    }
+  VehicleWithoutSight() : VehicleByAWall(0.02F, 0.6F) {
+    for (int k = 0; k < kDriven; ++k) step(picture(k), kStep);
     EXPECT_EQ(report_.state, TrackingState::kTracking);
     EXPECT_GE(tracker_->library().size(), 12);
   }
 
-  void step(const Image& image, float speed_mps, float turn) {
-    OdometrySample sample;
-    sample.t_us = frame_ * kStepUs;
-    sample.speed_mps = frame_ == 0 ? 0.0F : speed_mps;
-    sample.turn = turn;
-    static_cast<void>(tracker_->add_odometry(sample));
-    static_cast<void>(tracker_->process_frame(test::view(image, test::small_camera()), sample.t_us,
-                                              TickSource{}, report_));
-    ++frame_;
-  }
   void stand_before(const Image& image, int frames, float turn) {
     for (int k = 0; k < frames; ++k) {
-      step(image, 0.0F, turn);
+      step(image, 0.0, turn);
       relocalised_ = relocalised_ || report_.relocalised;
     }
   }
 
   static constexpr double kWay = kStep * (kDriven - 1);
-  std::unique_ptr<Vehicle> tracker_ = std::make_unique<Vehicle>();
-  FrameReport report_;
   bool relocalised_ = false;
-  int frame_ = 0;
 };
 
 TEST_F(VehicleWithoutSight, FindsItsPlaceInTheLibraryWhenThePictureIsBack) {
   stand_before(Image(320 * 240, 0), kBlind, kFalseTurn);
   EXPECT_NE(report_.state, TrackingState::kTracking);
   EXPECT_GT(tracker_->filter().mean_pose().heading, 0.12F);
-  stand_before(drive().back(), 10, 0.0F);
+  stand_before(picture(kDriven - 1), 10, 0.0F);
   EXPECT_TRUE(relocalised_);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   EXPECT_EQ(tracker_->health().relocalisations, 1U);
@@ -106,13 +59,13 @@ TEST_F(VehicleWithoutSight, KeepsTheLandmarksItCouldNotSee) {
 /// The picture of a place where the vehicle cannot be: the start of the drive, while odometry and
 /// its noise leave a few centimetres.
 TEST_F(VehicleWithoutSight, RefusesAPlaceWhereItCannotBe) {
-  stand_before(drive().front(), kBlind, 0.0F);
+  stand_before(picture(0), kBlind, 0.0F);
   EXPECT_FALSE(relocalised_);
   EXPECT_EQ(tracker_->health().relocalisations, 0U);
   EXPECT_GE(tracker_->health().false_relocalisations_refused, 1U);  // it knew the place
   const PlanarPose<float> pose = tracker_->filter().mean_pose();
   EXPECT_NEAR(pose.position.x(), static_cast<float>(kWay), 0.2F);
-  stand_before(drive().back(), 10, 0.0F);
+  stand_before(picture(kDriven - 1), 10, 0.0F);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   EXPECT_NEAR(tracker_->filter().mean_pose().position.x(), static_cast<float>(kWay), 0.05F);
 }
@@ -129,7 +82,7 @@ TEST_F(VehicleWithoutSight, SeesSoonThatNoiseIsNoPlace) {
   }
   EXPECT_FALSE(relocalised_);
   EXPECT_LT(most_work, Vehicle::Parameters{}.places.max_capture_work / 2);
-  stand_before(drive().back(), 10, 0.0F);
+  stand_before(picture(kDriven - 1), 10, 0.0F);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
 }
 

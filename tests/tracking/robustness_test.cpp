@@ -1,50 +1,17 @@
+#include <algorithm>
 #include <cmath>
-#include <memory>
-#include <vector>
 
-#include <gtest/gtest.h>
-
-#include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/runtime/vehicle_tracker.hpp"
-
-#include "plane_scene.hpp"
+#include "vehicle_by_a_wall.hpp"
 
 namespace cairn {
 namespace {
 
-using Filter = GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
-using Vehicle = VehicleTracker<DefaultConfig, Filter>;
-using Image = std::vector<std::uint8_t>;
-
-constexpr double kStep = 0.02;
-constexpr std::int64_t kStepUs = 33333;
-
-/// GIVEN a vehicle that drives along a wall, which its camera looks at.
-class VehicleInATrickyPlace : public ::testing::Test {
+class VehicleInATrickyPlace : public test::VehicleByAWall {
  protected:
-  VehicleInATrickyPlace() {
-    const Rigid<float> T_vehicle_camera{{0.70710678F, -0.70710678F, 0.0F, 0.0F},
-                                        {0.0F, 0.0F, 1.0F}};
-    Vehicle::Start start;
-    start.covariance = 1e-8F * Matrix3<float>::Identity();
-    Vehicle::Parameters parameters;
-    parameters.odometry = {0.05F, 0.1F, 0.5F, 0.033333F};
-    EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), T_vehicle_camera,
-                                        start, parameters)));
-  }
-
-  static Rigid<double> camera_at(double x) {
-    return {Quaternion<double>::Identity(), {x, 0.0, 0.0}};
-  }
+  VehicleInATrickyPlace() : VehicleByAWall(0.05F, 0.1F) {}
 
   void step(const Image& image, double moved) {
-    OdometrySample sample;
-    sample.t_us = frame_ * kStepUs;
-    sample.speed_mps = static_cast<float>(moved / (1e-6 * kStepUs));
-    static_cast<void>(tracker_->add_odometry(sample));
-    static_cast<void>(tracker_->process_frame(test::view(image, test::small_camera()), sample.t_us,
-                                              TickSource{}, report_));
-    ++frame_;
+    VehicleByAWall::step(image, moved);
     truth_ += moved;
     const PlanarPose<float> pose = tracker_->filter().mean_pose();
     const Matrix3<float> P = tracker_->filter().pose_covariance();
@@ -58,11 +25,8 @@ class VehicleInATrickyPlace : public ::testing::Test {
                                   std::sqrt(static_cast<double>(P(2, 2)) + 1e-6)});
   }
 
-  std::unique_ptr<Vehicle> tracker_ = std::make_unique<Vehicle>();
-  FrameReport report_;
   double truth_ = 0.0;
   double worst_sigmas_ = 0.0;
-  int frame_ = 0;
 };
 
 TEST_F(VehicleInATrickyPlace, TilesThatAllLookAlikeMakeItJumpNowhere) {
