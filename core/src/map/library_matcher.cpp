@@ -1,12 +1,13 @@
 #include "cairn/map/library_matcher.hpp"
 
+#include <cstddef>
 #include <cstring>
 
 namespace cairn {
 
 int hamming_prefix_distance(const Descriptor& a, const Descriptor& b) {
   std::uint32_t sum = 0;
-  for (int word = 0; word < 4; ++word) {
+  for (std::size_t word = 0; word < 4; ++word) {
     std::uint32_t x = 0;
     std::uint32_t y = 0;
     std::memcpy(&x, a.bytes + 4 * word, sizeof x);

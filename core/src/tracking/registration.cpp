@@ -40,7 +40,7 @@ int mark_front_faces(const ConvexPart& part, const Vector3<float>& eye, FaceFlag
 
 /// False when the eye is inside the part: it has no outline then and hides nothing.
 bool cast_shadow(const ConvexPart& part, const Vector3<float>& eye, Shadow& shadow) {
-  FaceFlags front;
+  FaceFlags front = {};
   if (mark_front_faces(part, eye, front) == 0) return false;
   shadow.planes.clear();
   Vector3<float> centre = Vector3<float>::Zero();
@@ -169,7 +169,7 @@ struct EdgePieces {
 void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>& eye,
                         EdgePieces* edges) {
   const ConvexPart& part = object.parts[p];
-  FaceFlags front;
+  FaceFlags front = {};
   mark_front_faces(part, eye, front);
   for (int e = 0; e < part.edges.size(); ++e) {
     const ConvexPart::Edge& edge = part.edges[e];

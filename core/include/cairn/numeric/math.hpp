@@ -54,7 +54,7 @@ inline double floor(double x) {
 /// True for anything but NaN and infinities; works on values without naming their bits.
 template <class T>
 bool is_finite(T x) {
-  return x - x == T(0);
+  return x - x == T(0);  // NOLINT(misc-redundant-expression): not for NaN and infinities
 }
 
 /// Sine and cosine of `angle` in rad, |angle| <= 1e4 (larger angles lose accuracy, never
