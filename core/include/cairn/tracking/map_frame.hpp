@@ -23,7 +23,6 @@ struct MapDrift {
 template <class Filter>
 class MapFrame {
  public:
-  static constexpr int kSlots = 2;  ///< of the filter
   static constexpr float kArm_m = 10.0F;
 
   void reset() { origin_ = ahead_ = kNoLandmark; }
@@ -31,7 +30,7 @@ class MapFrame {
     return filter.find(origin_) >= 0 && filter.find(ahead_) >= 0;
   }
 
-  /// Identity until the map has entered.
+  /// Identity until the map has entered. Cost: two look-ups in the filter, one atan2.
   Rigid<float> T_world_map(const Filter& filter) const;
 
   /// Puts the frame into the filter, as sure as the pose (x, y, heading) has `covariance`, its
@@ -40,11 +39,11 @@ class MapFrame {
   Status enter(Filter& filter, LandmarkId& next_id, const Matrix3<float>& covariance,
                float height_variance);
 
-  /// Lets the frame drift by the way made since the last call.
+  /// Lets the frame drift by the way made since the last call. Cost: as Filter::widen_frame().
   void follow(Filter& filter, const MapDrift& drift);
 
-  /// Adds a landmark of the map: position and own covariance in the map's frame, m, m^2. Errors: as
-  /// Filter::add_framed_landmark().
+  /// Adds a landmark of the map: position and own covariance in the map's frame, m, m^2. Errors and
+  /// cost: as Filter::add_framed_landmark().
   Status add(Filter& filter, LandmarkId id, const Vector3<float>& p_map,
              const Matrix3<float>& covariance) const;
 

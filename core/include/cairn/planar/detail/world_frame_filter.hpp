@@ -65,13 +65,14 @@ class WorldFrameFilter
   /// `ahead` referring to `origin`: its error is what turn and offset of that frame make of it plus
   /// an independent part. With p = origin + lambda (ahead - origin) in complex numbers of the plane
   /// it is (1 - lambda) that of origin + lambda that of ahead, the height's is origin's. Errors: as
-  /// add_world_landmark(), kInvalidArgument (both in one place).
+  /// add_world_landmark(), kInvalidArgument (both in one place). Cost: 12 multiply-adds a state.
   Status add_framed_landmark(LandmarkId id, const Vector<T, LandmarkDim>& p_world,
                              const Matrix<T, LandmarkDim, LandmarkDim>& covariance,
                              LandmarkId origin, LandmarkId ahead, LandmarkId* replaced = nullptr);
 
   /// Adds noise to such a frame: an offset of `position_variance` m^2 per axis, and a turn about
-  /// where the vehicle is of `heading_variance` rad^2. kInvalidArgument, kNotFound.
+  /// where the vehicle is of `heading_variance` rad^2. kInvalidArgument, kNotFound. Cost: 10
+  /// elements of the covariance.
   Status widen_frame(LandmarkId origin, LandmarkId ahead, T position_variance, T heading_variance);
 
   /// Covariance of a landmark's place as seen from the vehicle, in the world's axes, m^2: without
