@@ -1,5 +1,6 @@
 #include "mono_reference.hpp"
 
+#include <memory>
 #include <set>
 
 #include <gtest/gtest.h>

@@ -180,7 +180,7 @@ TEST(PlanarCamera, MapKeepsItsScale) {
     nis += run.nis_per_dof / runs;
     EXPECT_LT(run.final_error_m, 0.5);
   }
-  RecordProperty("scale", std::to_string(sum));
+  RecordProperty("scale_ppm", static_cast<int>(1e6 * sum));
 
   EXPECT_NEAR(sum, 1.0, 0.003);
   EXPECT_NEAR(nis, 1.0, 0.1);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "cairn/numeric/math.hpp"
 #include "cairn/planar/increment.hpp"
 #include "cairn/planar/types.hpp"
 
@@ -64,7 +65,7 @@ inline Eigen::Matrix2d rotation(double angle) {
 }
 
 inline double wrapped(double angle) {
-  return std::remainder(angle, 2.0 * M_PI);
+  return std::remainder(angle, kTwoPi<double>);
 }
 
 inline Drive make_drive(unsigned seed, const WorldSettings& s = WorldSettings{}) {
@@ -77,7 +78,7 @@ inline Drive make_drive(unsigned seed, const WorldSettings& s = WorldSettings{})
     const double x = uniform(generator);
     drive.landmarks.emplace_back(x, uniform(generator));
   }
-  const double turn_rate = 2.0 * M_PI / (s.steps_per_loop * s.dt_s);
+  const double turn_rate = kTwoPi<double> / (s.steps_per_loop * s.dt_s);
   Eigen::Vector3d x(0.0, -s.speed / turn_rate, 0.0);
   drive.start = x;
   drive.start_covariance =
@@ -86,7 +87,7 @@ inline Drive make_drive(unsigned seed, const WorldSettings& s = WorldSettings{})
     drive.start_estimate(i) = x(i) + std::sqrt(drive.start_covariance(i, i)) * normal(generator);
   }
   for (int k = 0; k < s.loops * s.steps_per_loop; ++k) {
-    const double phase = 2.0 * M_PI * (k + 0.5) / s.steps_per_loop;
+    const double phase = kTwoPi<double> * (k + 0.5) / s.steps_per_loop;
     const double turn = turn_rate * s.dt_s * (1.0 + 0.6 * std::cos(4.0 * phase));
     const double phi = std::atan(turn * s.wheelbase_m / (s.dt_s * s.speed));
     const bool arc = s.model == IncrementModel::kExactArc;

@@ -133,7 +133,7 @@ TEST_F(HandheldInATrickyPlace, ARestingCameraDoesNotJitter) {
     }
   }
   EXPECT_LT(std::sqrt(sum / count), 0.3);
-  RecordProperty("jitter_px", std::to_string(std::sqrt(sum / count)));
+  RecordProperty("jitter_millipixels", static_cast<int>(1e3 * std::sqrt(sum / count)));
   EXPECT_EQ(report_.state, TrackingState::kTracking);
 }
 

@@ -9,7 +9,7 @@
 #include "cairn/numeric/random.hpp"
 #include "cairn/vision/threshold_controller.hpp"
 
-#include "golden.hpp"
+#include "grey_image.hpp"
 
 namespace cairn {
 namespace {

@@ -9,7 +9,7 @@
 #include "cairn/numeric/random.hpp"
 #include "cairn/vision/hamming.hpp"
 
-#include "golden.hpp"
+#include "grey_image.hpp"
 
 namespace cairn {
 namespace {

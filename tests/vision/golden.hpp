@@ -6,19 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "cairn/vision/fast.hpp"
 #include "cairn/vision/freak.hpp"
 
+#include "grey_image.hpp"
+
 namespace cairn::test {
-
-struct GreyImage {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> pixels;
-
-  ImageView view() const { return {pixels.data(), width, height, width}; }
-  Rect whole() const { return {0, 0, width, height}; }
-};
 
 /// Binary PGM (P5, 8 bits, no comments); empty when it cannot be read.
 inline GreyImage read_pgm(const std::string& path) {

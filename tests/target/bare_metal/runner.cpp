@@ -9,6 +9,7 @@ namespace {
 
 Case* tests = nullptr;
 int failures = 0;
+bool fatal_failure = false;
 
 }  // namespace
 
@@ -51,14 +52,16 @@ void print(double value) {
   print(static_cast<std::int64_t>(exponent));
 }
 
-bool add(Case& test, const char* suite, const char* name, void (*run)()) {
-  test = {suite, name, run, tests};
+bool add(Case& test, const Case& filling) {
+  test = filling;
+  test.next = tests;
   tests = &test;
   return true;
 }
 
-void note_failure(const char* file, int line, const char* text) {
+void note_failure(const char* file, int line, const char* text, bool fatal) {
   ++failures;
+  fatal_failure = fatal_failure || fatal;
   print(file);
   print(":");
   print(static_cast<std::int64_t>(line));
@@ -68,12 +71,30 @@ void note_failure(const char* file, int line, const char* text) {
 
 }  // namespace testing::internal
 
+bool testing::Test::HasFatalFailure() {
+  return internal::fatal_failure;
+}
+
+void testing::Test::RecordProperty(const char* key, int value) {
+  internal::print(key);
+  internal::print(" ");
+  internal::print(static_cast<std::int64_t>(value));
+  internal::print("\n");
+}
+
 int main() {
   using namespace testing::internal;
   int failed = 0;
   int count = 0;
+  const Case* suite = nullptr;
   for (const Case* test = tests; test != nullptr; test = test->next) {
+    if (suite == nullptr || suite->set_up_suite != test->set_up_suite) {
+      if (suite != nullptr) suite->tear_down_suite();
+      test->set_up_suite();
+      suite = test;
+    }
     const int before = failures;
+    fatal_failure = false;
     test->run();
     ++count;
     if (failures == before) continue;
@@ -84,6 +105,7 @@ int main() {
     print(test->name);
     print("\n");
   }
+  if (suite != nullptr) suite->tear_down_suite();
   print(static_cast<std::int64_t>(count));
   print(" tests, ");
   print(static_cast<std::int64_t>(failed));

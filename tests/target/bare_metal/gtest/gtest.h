@@ -14,6 +14,10 @@ class Test {
   virtual ~Test() = default;
   virtual void SetUp() {}
   virtual void TearDown() {}
+  static void SetUpTestSuite() {}
+  static void TearDownTestSuite() {}
+  static bool HasFatalFailure();
+  static void RecordProperty(const char* key, int value);
 };
 
 template <class Parameter>
@@ -62,15 +66,20 @@ struct Case {
   const char* suite = nullptr;
   const char* name = nullptr;
   void (*run)() = nullptr;
+  void (*set_up_suite)() = nullptr;  ///< the same for all tests of a suite
+  void (*tear_down_suite)() = nullptr;
   Case* next = nullptr;
 };
 
-bool add(Case& test, const char* suite, const char* name, void (*run)());
-void note_failure(const char* file, int line, const char* text);
+/// Puts `test`, filled from `filling`, in front of the list.
+bool add(Case& test, const Case& filling);
+void note_failure(const char* file, int line, const char* text, bool fatal);
 
 class Failure {
  public:
-  Failure(const char* file, int line, const char* text) { note_failure(file, line, text); }
+  Failure(const char* file, int line, const char* text, bool fatal) {
+    note_failure(file, line, text, fatal);
+  }
   Failure(const Failure&) = delete;
   Failure& operator=(const Failure&) = delete;
   ~Failure() { print("\n"); }
@@ -126,9 +135,15 @@ struct Registered {
   static inline Case test;
 };
 
+template <class Body>
+bool add_body(const char* suite, const char* name) {
+  return add(Registered<Body>::test, {suite, name, &run_body<Body>, &Body::SetUpTestSuite,
+                                      &Body::TearDownTestSuite, nullptr});
+}
+
 template <template <class> class Body, class... Each>
 bool add_typed(Types<Each...>, const char* suite, const char* name) {
-  return (add(Registered<Body<Each>>::test, suite, name, &run_body<Body<Each>>) && ...);
+  return (add_body<Body<Each>>(suite, name) && ...);
 }
 
 /// Tests and parameters of one parameterised suite, joined when the tests run.
@@ -156,8 +171,11 @@ struct Parameterised {
       }
     }
   }
+  template <class Test>
   static bool add_body(Body& body, const char* suite) {
-    if (bodies == nullptr) add(test, suite, "*", &run_all);
+    if (bodies == nullptr) {
+      add(test, {suite, "*", &run_all, &Test::SetUpTestSuite, &Test::TearDownTestSuite, nullptr});
+    }
     body.next = bodies;
     bodies = &body;
     return true;
@@ -174,14 +192,15 @@ struct Parameterised {
 
 #define CAIRN_TEST_CLASS(suite, name) suite##_##name##_Test
 
-#define CAIRN_TEST_BODY(suite, name, parent)                                               \
-  class CAIRN_TEST_CLASS(suite, name) : public parent {                                    \
-   public:                                                                                 \
-    void TestBody();                                                                       \
-  };                                                                                       \
-  static const bool suite##_##name##_added = ::testing::internal::add(                     \
-      ::testing::internal::Registered<CAIRN_TEST_CLASS(suite, name)>::test, #suite, #name, \
-      &::testing::internal::run_body<CAIRN_TEST_CLASS(suite, name)>);                      \
+#define CAIRN_TEST_BODY(suite, name, parent)                                       \
+  class CAIRN_TEST_CLASS(suite, name) : public parent {                            \
+   public:                                                                         \
+    using parent::SetUpTestSuite;                                                  \
+    using parent::TearDownTestSuite;                                               \
+    void TestBody();                                                               \
+  };                                                                               \
+  static const bool suite##_##name##_added =                                       \
+      ::testing::internal::add_body<CAIRN_TEST_CLASS(suite, name)>(#suite, #name); \
   void CAIRN_TEST_CLASS(suite, name)::TestBody()
 
 #define TEST(suite, name) CAIRN_TEST_BODY(suite, name, ::testing::Test)
@@ -194,6 +213,8 @@ struct Parameterised {
    public:                                                                                   \
     using TestFixture = suite<Parameter>;                                                    \
     using TypeParam = Parameter;                                                             \
+    using TestFixture::SetUpTestSuite;                                                       \
+    using TestFixture::TearDownTestSuite;                                                    \
     void TestBody();                                                                         \
   };                                                                                         \
   static const bool suite##_##name##_added =                                                 \
@@ -205,12 +226,15 @@ struct Parameterised {
 #define TEST_P(suite, name)                                                               \
   class CAIRN_TEST_CLASS(suite, name) : public suite {                                    \
    public:                                                                                \
+    using suite::SetUpTestSuite;                                                          \
+    using suite::TearDownTestSuite;                                                       \
     void TestBody();                                                                      \
   };                                                                                      \
   static ::testing::internal::Parameterised<suite>::Body suite##_##name##_body{           \
       #name, &::testing::internal::run_body<CAIRN_TEST_CLASS(suite, name)>, nullptr};     \
   static const bool suite##_##name##_added =                                              \
-      ::testing::internal::Parameterised<suite>::add_body(suite##_##name##_body, #suite); \
+      ::testing::internal::Parameterised<suite>::add_body<CAIRN_TEST_CLASS(suite, name)>( \
+          suite##_##name##_body, #suite);                                                 \
   void CAIRN_TEST_CLASS(suite, name)::TestBody()
 
 #define INSTANTIATE_TEST_SUITE_P(prefix, suite, list, ...)                                  \
@@ -221,7 +245,8 @@ struct Parameterised {
   static const bool prefix##_##suite##_added =                                              \
       ::testing::internal::Parameterised<suite>::add_list(prefix##_##suite##_list)
 
-#define CAIRN_TEST_FAILURE(text) ::testing::internal::Failure(__FILE__, __LINE__, text)
+#define CAIRN_TEST_FAILURE(text, fatal) \
+  ::testing::internal::Void{} & ::testing::internal::Failure(__FILE__, __LINE__, text, fatal)
 #define CAIRN_TEST_EXPECT(good, text) \
   switch (0)                          \
   case 0:                             \
@@ -229,7 +254,7 @@ struct Parameterised {
     if (good)                         \
       ;                               \
     else                              \
-      ::testing::internal::Void{} & CAIRN_TEST_FAILURE(text)
+      CAIRN_TEST_FAILURE(text, false)
 #define CAIRN_TEST_ASSERT(good, text) \
   switch (0)                          \
   case 0:                             \
@@ -237,7 +262,7 @@ struct Parameterised {
     if (good)                         \
       ;                               \
     else                              \
-      return ::testing::internal::Void{} & CAIRN_TEST_FAILURE(text)
+      return CAIRN_TEST_FAILURE(text, true)
 /// Each operand is evaluated once.
 #define CAIRN_TEST_COMPARE(a, op, b)                              \
   [](const auto& left, const auto& right) {                       \
@@ -265,5 +290,5 @@ struct Parameterised {
 #define ASSERT_LE(a, b) CAIRN_TEST_ASSERT(CAIRN_TEST_COMPARE(a, <=, b), #a " <= " #b)
 #define ASSERT_GT(a, b) CAIRN_TEST_ASSERT(CAIRN_TEST_COMPARE(a, >, b), #a " > " #b)
 #define ASSERT_GE(a, b) CAIRN_TEST_ASSERT(CAIRN_TEST_COMPARE(a, >=, b), #a " >= " #b)
-#define ADD_FAILURE() CAIRN_TEST_EXPECT(false, "failure")
-#define FAIL() CAIRN_TEST_ASSERT(false, "failure")
+#define ADD_FAILURE() CAIRN_TEST_FAILURE("no failure", false)
+#define FAIL() return CAIRN_TEST_FAILURE("no failure", true)
