@@ -132,6 +132,24 @@ def revision():
     return done.stdout.strip() or "unknown"
 
 
+def keep_earlier(result, earlier, timing):
+    """What this run was not asked for stays in `result` as an earlier run measured it, with the commit of then."""
+    if "unit_tests" not in result and "unit_tests" in earlier:
+        result["unit_tests"] = {"revision": earlier["revision"], **earlier["unit_tests"]}
+    if timing:
+        return
+    for image, entry in earlier.items():
+        if not isinstance(entry, dict) or "timing" not in entry or image not in result:
+            continue
+        result["timing_revision"] = earlier.get("timing_revision", earlier["revision"])
+        result[image].update({key: entry[key] for key in ("timing", "coverage") if key in entry})
+
+
+def earlier_result(target):
+    file = RESULTS / f"{target}.json"
+    return json.loads(file.read_text()) if file.exists() else {}
+
+
 def measure_target(args):
     target = Target(ROOT / "build" / args.target)
     logs = inputs.recorded(LOGS)
@@ -143,6 +161,7 @@ def measure_target(args):
     if args.unit_tests:
         result["unit_tests"], passed = unit_tests(target)
         good = good and passed
+    keep_earlier(result, earlier_result(args.target), args.timing)
     RESULTS.mkdir(parents=True, exist_ok=True)
     (RESULTS / f"{args.target}.json").write_text(json.dumps(result, indent=2) + "\n")
     return good

@@ -36,7 +36,8 @@ Written by `scripts/firmware.sh`. For each target: the port's self-test, one has
 (`exercise`), and for each replayed frame one hash over pose, covariance, landmarks and counters and one
 over the picture with the virtual objects drawn into it. All compared with the host's, `g++ -O3`.
 The inputs are recorded anew by each run (`tests/target/inputs.json`); `measured at` is the commit that
-was compared, `unit tests` those of `scripts/firmware.sh --all`: test programs, gates and faults.
+was compared, `unit tests` those of `scripts/firmware.sh --all`: test programs, gates and faults, with
+their own commit where it is another.
 
 """
 
@@ -103,6 +104,14 @@ def footprint(root, results):
     (root / "docs/reference/footprint.md").write_text(FOOTPRINT + "\n".join(rows) + "\n")
 
 
+def unit_text(entries):
+    units = entries.get("unit_tests")
+    if units is None:
+        return "-"
+    at = f" at {units['revision']}" if "revision" in units else ""
+    return f"{units['passed']} of {units['run']}{at}"
+
+
 def targets(root, results):
     names = []
     for _, _, entry in images_of(results):
@@ -115,12 +124,10 @@ def targets(root, results):
             for name, outcome in entry["inputs"].items():
                 text = f"{outcome['frames']} equal" if outcome["hash_equal"] else "**differs**"
                 cells[name] = f"{cells[name]}, {text}" if name in cells else text
-        units = entries.get("unit_tests")
-        unit_text = f"{units['passed']} of {units['run']}" if units else "-"
         rows.append(f"| {target} | `{entries['compiler']}` | {entries['revision']} | "
                     f"{'good' if entries['selftest'] else '**bad**'} | "
                     f"{str(entries['modules']) + ' equal' if entries['modules_equal'] else '**differ**'} | "
-                    f"{unit_text} | "
+                    f"{unit_text(entries)} | "
                     + " | ".join(cells.get(name, "-") for name in names) + " |")
     (root / "docs/reference/targets.md").write_text(TARGETS + "\n".join(rows) + "\n")
 

@@ -15,6 +15,7 @@ dearest ([what they are](command-line.md#stress-scenes)).
   issue, latencies; each block drained at its end). Caches, flash wait states, bus contention and
   mispredicted branches are not in the model: expect 30 to 50 % either way on silicon. Not calibrated on
   a board.
+- measured at: the commit. Runs without `--timing` leave these tables as they were.
 
 The paper's desktop PC takes 41.57 ms a frame; that is 19.95 M cycles at 480 MHz and 24.94 M at 600 MHz.
 """
@@ -63,9 +64,9 @@ def summary(results):
     rows = ["", "## Dearest", "", "Over all inputs of an image. Budget: 20 M instructions (goal 12 M), hybrid bound 24 M, "
             "41.57 ms at 600 MHz, worst/median 2.5. Share of units: the largest share of what a frame's "
             "[units of work](../explanation/frame-work.md) stand for that it took, drawing apart.", "",
-            "| target | image | inputs | worst frame | of input | share of units | hybrid bound | worst/median | "
-            "modelled worst, 480 / 600 MHz | modelled hybrid, 600 MHz |",
-            "| --- | --- | ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: |"]
+            "| target | measured at | image | inputs | worst frame | of input | share of units | hybrid bound | "
+            "worst/median | modelled worst, 480 / 600 MHz | modelled hybrid, 600 MHz |",
+            "| --- | --- | --- | ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: |"]
     for target, entries in results.items():
         for image, entry in entries.items():
             timings = entry.get("timing", {}) if isinstance(entry, dict) else {}
@@ -80,7 +81,8 @@ def summary(results):
 
             shares = [timing["instructions_per_unit"] for timing in timings.values()
                       if timing.get("instructions_per_unit")]
-            rows.append(f"| {target} | {image} | {len(frames)} | {thousands(frames[worst]['worst'])} | {worst} | "
+            rows.append(f"| {target} | {entries.get('timing_revision', entries['revision'])} | {image} | "
+                        f"{len(frames)} | {thousands(frames[worst]['worst'])} | {worst} | "
                         f"{max(shares) if shares else '-'} | "
                         f"{thousands(max(f['hybrid_bound'] for f in frames.values()))} | "
                         f"{max(f['worst_over_median'] or 0 for f in frames.values()):.2f} | "

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""What a run of firmware_report.py keeps of an earlier run's result, and what the pages say of it."""
+import pathlib
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import firmware_report  # noqa: E402
+import footprint_page  # noqa: E402
+import timing_page  # noqa: E402
+
+
+def row(worst):
+    return {"worst": worst, "p99": worst, "median": worst, "worst_over_median": 1.0, "hybrid_bound": worst}
+
+
+def timing(worst):
+    return {"hall": {"set": "typical", "instructions": {"frame": row(worst)}}}
+
+
+def coverage():
+    return {"instructions": 10, "uncovered_instructions": 1, "uncovered_blocks": 1, "functions": []}
+
+
+def result(revision, **more):
+    return {"selftest": True, "revision": revision, "vehicle": {"frames": 60, **more}}
+
+
+class KeepEarlier(unittest.TestCase):
+    def test_timing_stays_with_its_commit(self):
+        now = result("new")
+        firmware_report.keep_earlier(now, result("old", timing=timing(5), coverage=coverage()), False)
+        self.assertEqual(now["vehicle"], {"frames": 60, "timing": timing(5), "coverage": coverage()})
+        self.assertEqual((now["revision"], now["timing_revision"]), ("new", "old"))
+
+    def test_timing_kept_twice_has_the_first_commit(self):
+        second = result("second")
+        firmware_report.keep_earlier(second, result("first", timing=timing(5)), False)
+        third = result("third")
+        firmware_report.keep_earlier(third, second, False)
+        self.assertEqual(third["timing_revision"], "first")
+
+    def test_new_timing_replaces_the_earlier(self):
+        now = result("new", timing=timing(7))
+        firmware_report.keep_earlier(now, result("old", timing=timing(5), coverage=coverage()), True)
+        self.assertEqual(now, result("new", timing=timing(7)))
+
+    def test_an_image_that_is_gone_takes_its_timing_with_it(self):
+        now = {"selftest": True, "revision": "new"}
+        firmware_report.keep_earlier(now, result("old", timing=timing(5)), False)
+        self.assertEqual(now, {"selftest": True, "revision": "new"})
+
+    def test_unit_tests_stay_unless_run_again(self):
+        earlier = {**result("old"), "unit_tests": {"passed": 4, "run": 4}}
+        now = result("new")
+        firmware_report.keep_earlier(now, earlier, False)
+        self.assertEqual(footprint_page.unit_text(now), "4 of 4 at old")
+        again = {**result("new"), "unit_tests": {"passed": 5, "run": 6}}
+        firmware_report.keep_earlier(again, earlier, False)
+        self.assertEqual(footprint_page.unit_text(again), "5 of 6")
+
+    def test_nothing_earlier(self):
+        now = result("new")
+        firmware_report.keep_earlier(now, {}, False)
+        self.assertEqual(now, result("new"))
+
+
+class TimingPage(unittest.TestCase):
+    def test_says_the_commit_of_the_timing(self):
+        now = result("new")
+        firmware_report.keep_earlier(now, result("old", timing=timing(5)), False)
+        with tempfile.TemporaryDirectory() as folder:
+            page = pathlib.Path(folder) / "docs/reference/timing.md"
+            page.parent.mkdir(parents=True)
+            timing_page.write(pathlib.Path(folder), {"cortex-m7": now})
+            text = page.read_text()
+        self.assertIn("| cortex-m7 | old | vehicle | 1 | 5 | hall |", text)
+        self.assertEqual(text.count("## cortex-m7, `vehicle`, hall"), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
