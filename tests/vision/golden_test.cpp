@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cairn/vision/fast.hpp"
+
 namespace cairn {
 namespace {
 
