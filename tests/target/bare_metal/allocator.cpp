@@ -9,7 +9,7 @@
 
 namespace {
 
-constexpr std::size_t kMemoryBytes = CAIRN_TEST_MEMORY_BYTES;
+constexpr std::size_t kMemoryBytes = std::size_t{8} << 20;
 
 struct alignas(16) Header {
   int size_class;
