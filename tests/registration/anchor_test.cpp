@@ -103,7 +103,7 @@ TEST(PoseOnPlane, StandsOnThePlaneAndFacesWhereAsked) {
   EXPECT_NEAR((pose.rotation * Vector3<float>(0, 0, 1) - plane.normal).norm(), 0, 1e-5);
   const Vector3<float> x = pose.rotation * Vector3<float>(1, 0, 0);
   EXPECT_NEAR(x.dot(facing.cross(plane.normal).normalized()), 0, 1e-4);
-  EXPECT_GT(x.dot(facing), 0);
+  EXPECT_GT(x.dot(facing), 0.0F);
   EXPECT_EQ(pose_on_plane(plane, above, plane.normal, pose), Status::kDegenerate);
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -244,7 +245,8 @@ TEST(AlignPatch, WindowsBeyondTheBorderAreOutOfView) {
   EXPECT_EQ(patch.pixels[0], pixels[33 * kExtent]);
   EXPECT_EQ(patch.pixels[224], pixels[47 * kExtent + 14]);
   PatchAlignment report;
-  for (const int bad : {5 * 256 - 1, 42 * 256 + 1, -99999, INT32_MAX, INT32_MIN}) {
+  using Limits = std::numeric_limits<int>;
+  for (const int bad : {5 * 256 - 1, 42 * 256 + 1, -99999, Limits::max(), Limits::min()}) {
     int x = bad;
     int y = 24 * 256;
     EXPECT_EQ(align_patch(view_of(pixels), patch, PatchWarp{}, x, y, report), Status::kOutOfView);

@@ -1,8 +1,10 @@
 // Memory for the tests' own containers and reference solutions on boards; the code under test uses
 // none. Blocks of powers of two, each with its size in front, go back to a list per size.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <new>
 
 #include "cairn/port/port.h"
@@ -60,6 +62,21 @@ void free(void* pointer) {
   free_blocks[k] = new (pointer) Free{free_blocks[k]};
 }
 
+void* calloc(std::size_t count, std::size_t bytes) {
+  if (bytes != 0 && count > kMemoryBytes / bytes) fail("test allocator: too large\n");
+  return std::memset(malloc(count * bytes), 0, count * bytes);
+}
+
+void* realloc(void* pointer, std::size_t bytes) {
+  if (pointer == nullptr) return malloc(bytes);
+  const int k = (static_cast<const Header*>(pointer) - 1)->size_class;
+  if (k == class_of(bytes)) return pointer;
+  void* const moved = malloc(bytes);
+  std::memcpy(moved, pointer, std::min(bytes, (std::size_t{1} << k) - kHeaderBytes));
+  free(pointer);
+  return moved;
+}
+
 void abort() {
   fail("abort\n");
 }
@@ -69,6 +86,9 @@ void* operator new(std::size_t bytes) {
   return malloc(bytes);
 }
 void* operator new[](std::size_t bytes) {
+  return malloc(bytes);
+}
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
   return malloc(bytes);
 }
 void operator delete(void* pointer) noexcept {
@@ -89,6 +109,9 @@ void __throw_length_error(const char* what) {
   fail(what);
 }
 void __throw_logic_error(const char* what) {
+  fail(what);
+}
+void __throw_out_of_range(const char* what) {
   fail(what);
 }
 void __throw_out_of_range_fmt(const char* what, ...) {
