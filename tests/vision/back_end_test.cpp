@@ -1,5 +1,6 @@
 // All back ends of the kernels give the same bytes on random images, strides and rectangles.
 
+#include <algorithm>
 #include <cstring>
 #include <vector>
 
