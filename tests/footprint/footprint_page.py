@@ -16,8 +16,9 @@ Bytes of the replay images: tracker, virtual objects, port and replay program to
 Flash: code, constants and initial values. RAM: static data without stack and input frame; of it
 filter (state and covariance), map (landmarks and candidates) and vision (detector, search, scratch);
 tracker is the object that holds them. Stack: deepest path of the call graph from `main`, and the
-painted high-water mark of the replays. Heap: none ([how that is held](no-heap.md)). Clang writes no
-call graph, so its stack is the painted one alone.
+painted high-water mark of the replays. Heap: none ([how that is held](no-heap.md)). Clang
+compiles for size ([why](../how-to/build-firmware.md)) and writes no call graph, so its stack is the painted
+one alone.
 
 | image | tracker | configuration |
 | --- | --- | --- |
