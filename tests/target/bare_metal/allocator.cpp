@@ -11,7 +11,7 @@
 
 namespace {
 
-constexpr std::size_t kMemoryBytes = std::size_t{8} << 20;
+constexpr std::size_t kMemoryBytes = std::size_t{15} << 20;
 
 struct alignas(16) Header {
   int size_class;
