@@ -157,7 +157,9 @@ Status search_patch(const ImageView& image, const PixelPrediction<float>& predic
                     const Patch& patch, const PatchWarp& warp,
                     const PatchSearchParameters& parameters, Vector2<float>& pixel) {
   const Matrix2<float>& s = prediction.covariance;
-  float i00, i01, i11;
+  float i00 = 0.0F;
+  float i01 = 0.0F;
+  float i11 = 0.0F;
   if (!invert_spd2(s(0, 0), s(0, 1), s(1, 1), i00, i01, i11)) return Status::kSingular;
   const auto inside = [&](float u, float v) {
     const float du = u - prediction.pixel.x();

@@ -312,7 +312,7 @@ void scan_short_row(const std::uint8_t* first, std::ptrdiff_t stride, int count,
   std::uint8_t window[kSide * kPitch] = {};
   for (int y = 0; y < kSide; ++y) {
     std::memcpy(window + y * kPitch, first + (y - kCircleRadius) * stride - kCircleRadius,
-                static_cast<std::size_t>(count + 2 * kCircleRadius));
+                static_cast<std::size_t>(count) + 2U * kCircleRadius);
   }
   std::uint8_t scores[Lanes::kCount] = {};
   std::uint32_t bits = 0;
