@@ -39,28 +39,24 @@ class SecondLook : public ::testing::Test {
         landmarks_[static_cast<std::size_t>(landmark)] - Vector3<double>(kAhead, 0.0, 0.0);
     PixelMatch<double> match;
     match.id = static_cast<LandmarkId>(landmark + 1);
-    EXPECT_TRUE(ok(camera_.project(
-        Rigid<double>{Quaternion<double>(test::looking_ahead<double>()), Vector3<double>::Zero()}
-                .inverse() *
-            from_truth,
-        match.pixel)));
+    EXPECT_TRUE(ok(camera_.project(T_vehicle_camera_.inverse() * from_truth, match.pixel)));
     return match;
   }
 
   UpdateReport update(PixelMatch<double>* matches, int count) {
     UpdateReport report;
     Random random(1);
-    EXPECT_EQ(filter_.update_pixels(camera_,
-                                    Rigid<double>{Quaternion<double>(test::looking_ahead<double>()),
-                                                  Vector3<double>::Zero()},
-                                    1.0, matches, count, random, report),
-              Status::kOk);
+    EXPECT_EQ(
+        filter_.update_pixels(camera_, T_vehicle_camera_, 1.0, matches, count, random, report),
+        Status::kOk);
     return report;
   }
 
   const std::array<Vector3<double>, 4> landmarks_ = {
       {{0.31, 0.05, 0.02}, {2.0, 0.5, 0.9}, {2.0, -0.8, 0.7}, {2.5, 0.3, -1.1}}};
   PinholeCamera<double> camera_ = test::vga_camera(300.0);
+  Rigid<double> T_vehicle_camera_{Quaternion<double>(test::looking_ahead<double>()),
+                                  Vector3<double>::Zero()};
   Filter filter_;
 };
 
