@@ -1,4 +1,5 @@
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -94,6 +95,20 @@ TYPED_TEST(Elementary, RoundingIsClampedBeforeConversion) {
   EXPECT_EQ(round_to_int(TypeParam(1e20)), 1073741824);
   EXPECT_EQ(round_to_int(TypeParam(-1e20)), -1073741824);
   EXPECT_EQ(round_to_int(std::numeric_limits<TypeParam>::quiet_NaN()), 0);
+}
+
+TEST(IntegerSquareRoot, IsTheLargestThatFits) {
+  EXPECT_EQ(integer_sqrt(0), 0U);
+  EXPECT_EQ(integer_sqrt(std::numeric_limits<std::uint64_t>::max()), 0xFFFFFFFFU);
+  for (int bit = 0; bit < 32; ++bit) {
+    for (const std::uint64_t offset : {0U, 1U, 2U}) {
+      const std::uint64_t root = (std::uint64_t{1} << bit) + offset;
+      if (root > 0xFFFFFFFFU) continue;
+      const std::uint64_t square = root * root;
+      EXPECT_EQ(integer_sqrt(square), root);
+      EXPECT_EQ(integer_sqrt(square - 1), root - 1);
+    }
+  }
 }
 
 class Packed : public ::testing::Test {

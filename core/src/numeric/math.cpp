@@ -256,4 +256,15 @@ double log(double x) {
          ((half_square - (s * (half_square + even + odd) + e * 1.90821492927058770002e-10)) - f);
 }
 
+std::uint32_t integer_sqrt(std::uint64_t value) {
+  if (value == 0) return 0;
+  std::uint64_t root = 0;
+  const int highest = (63 - __builtin_clzll(value)) / 2;
+  for (std::uint64_t bit = std::uint64_t{1} << highest; bit != 0; bit >>= 1) {
+    const std::uint64_t trial = root | bit;
+    if (trial * trial <= value) root = trial;
+  }
+  return static_cast<std::uint32_t>(root);
+}
+
 }  // namespace cairn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 namespace cairn {
 
@@ -38,6 +39,9 @@ inline float sqrt(float x) {
 inline double sqrt(double x) {
   return std::sqrt(x);
 }
+/// Largest integer whose square is at most `value`. Cost: at most 32 steps.
+std::uint32_t integer_sqrt(std::uint64_t value);
+
 inline float abs(float x) {
   return std::fabs(x);
 }
