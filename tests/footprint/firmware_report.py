@@ -10,10 +10,12 @@ Every measured target leaves build/firmware/results/NAME.json, all together summ
 """
 import argparse
 import json
+import os
 import pathlib
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 for folder in ("tests/footprint", "tests/target", "tests/timing"):
@@ -60,12 +62,19 @@ def has(target, image):
     return any((target.build / "bin" / f"replay_{image}{end}").exists() for end in (".elf", ""))
 
 
+def replay(target, host, image, log):
+    """(lines, first line that differs from the host's or None, painted stack) of one input on one target."""
+    lines, difference = target.same_lines(f"replay_{image}", [log.log, *REPLAY_OPTIONS], host)
+    return lines, difference, painted_stack(target, image, log.log) if target.bare_metal else 0
+
+
 def measure_image(target, host, image, logs):
     """One replay program on one target: memory and equality on each of `logs`."""
     entry = {"ram_bytes": dict(storage_of(target)[image]), "frames": 0, "hash_equal": None, "inputs": {}}
     faults = memory_of(target, image, entry) if target.bare_metal else []
-    for log in logs:
-        lines, difference = target.same_lines(f"replay_{image}", [log.log, *REPLAY_OPTIONS], host)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        outcomes = list(pool.map(lambda log: replay(target, host, image, log), logs))
+    for log, (lines, difference, painted) in zip(logs, outcomes):
         frames = lines // 2  # one line for the frame, one for the picture drawn
         entry["frames"] += frames
         entry["hash_equal"] = entry["hash_equal"] is not False and difference is None
@@ -73,8 +82,7 @@ def measure_image(target, host, image, logs):
         if difference is not None:
             entry["inputs"][log.name]["first_difference"] = difference
         if target.bare_metal:
-            entry["stack_painted_bytes"] = max(entry.get("stack_painted_bytes", 0),
-                                               painted_stack(target, image, log.log))
+            entry["stack_painted_bytes"] = max(entry.get("stack_painted_bytes", 0), painted)
     entry["faults"] = faults
     return entry
 
@@ -114,10 +122,11 @@ def measure(target, host, logs):
 
 def unit_tests(target):
     """Runs the build's own tests: {passed, run}, and whether all passed."""
-    done = subprocess.run(["ctest", "--test-dir", target.build, "--output-on-failure"], capture_output=True,
-                          text=True)
+    done = subprocess.run(["ctest", "--test-dir", target.build, "--output-on-failure",
+                           "--parallel", str(os.cpu_count() or 1)], capture_output=True, text=True)
     found = re.search(r"(\d+) tests failed out of (\d+)", done.stdout)
     if found is None:
+        print(f"  no unit test was run:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
         return {"passed": 0, "run": 0}, False
     failed, run = int(found[1]), int(found[2])
     print(f"  {run - failed} of {run} tests pass")

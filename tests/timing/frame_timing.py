@@ -5,6 +5,7 @@ and blocks by the plugin block_count.c; cycles by cycles.py.
 """
 import os
 import subprocess
+from concurrent.futures import ThreadPoolExecutor
 
 import coverage
 import cycles
@@ -114,8 +115,10 @@ def measure(target, images, logs, out, results):
             continue
         executed = set()
         elf = None
-        for log in (log for log in logs if image in log.images):
-            entry, elf, blocks = measure_input(target, image, log.log, out, plugin)
+        asked = [log for log in logs if image in log.images]
+        with ThreadPoolExecutor(os.cpu_count()) as pool:
+            measured = list(pool.map(lambda log: measure_input(target, image, log.log, out, plugin), asked))
+        for log, (entry, elf, blocks) in zip(asked, measured):
             entry["set"] = log.set
             results[image].setdefault("timing", {})[log.name] = entry
             executed |= {(b[0], b[1]) for b in blocks}
