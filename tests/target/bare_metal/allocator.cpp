@@ -1,5 +1,5 @@
 // Memory for the tests' own containers and reference solutions on boards; the code under test uses
-// none. Blocks of powers of two, each with its size in front, go back to a list per size.
+// none. Blocks of four sizes to an octave, each with its size in front, go back to a list per size.
 
 #include <algorithm>
 #include <cstddef>
@@ -24,7 +24,8 @@ struct Free {
 
 __attribute__((section(".frames"), aligned(16))) std::uint8_t memory[kMemoryBytes];
 std::size_t used = 0;
-Free* free_blocks[32];
+constexpr int kClasses = 80;
+Free* free_blocks[kClasses];
 
 [[noreturn]] void fail(const char* text) {
   cairn_port_write(text);
@@ -32,9 +33,16 @@ Free* free_blocks[32];
   cairn_port_fault_hook(&fault);
 }
 
+/// 64, 80, 96, 112, 128, 160 and so on.
+constexpr std::size_t block_bytes(int size_class) {
+  return static_cast<std::size_t>(4 + size_class % 4) << (4 + size_class / 4);
+}
+static_assert(block_bytes(kClasses - 1) > kMemoryBytes,
+              "a class for every block there is room for");
+
 int class_of(std::size_t bytes) {
-  int k = 5;
-  while ((std::size_t{1} << k) < bytes + kHeaderBytes) ++k;
+  int k = 0;
+  while (block_bytes(k) < bytes + kHeaderBytes) ++k;
   return k;
 }
 
@@ -49,7 +57,7 @@ void* malloc(std::size_t bytes) {
     free_blocks[k] = block->next;
     return block;
   }
-  const std::size_t size = std::size_t{1} << k;
+  const std::size_t size = block_bytes(k);
   if (used + size > kMemoryBytes) fail("test allocator: memory exhausted\n");
   auto* const header = new (memory + used) Header{k};
   used += size;
@@ -72,7 +80,7 @@ void* realloc(void* pointer, std::size_t bytes) {
   const int k = (static_cast<const Header*>(pointer) - 1)->size_class;
   if (k == class_of(bytes)) return pointer;
   void* const moved = malloc(bytes);
-  std::memcpy(moved, pointer, std::min(bytes, (std::size_t{1} << k) - kHeaderBytes));
+  std::memcpy(moved, pointer, std::min(bytes, block_bytes(k) - kHeaderBytes));
   free(pointer);
   return moved;
 }
