@@ -8,19 +8,21 @@
 #include "cairn/numeric/hash.hpp"
 #include "cairn/numeric/health.hpp"
 #include "cairn/numeric/random.hpp"
-#include "cairn/planar/increment.hpp"
 #include "cairn/planar/types.hpp"
 #include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/config.hpp"
 #include "cairn/runtime/frame_report.hpp"
 #include "cairn/runtime/frame_work.hpp"
+#include "cairn/runtime/odometry_integrator.hpp"
+#include "cairn/runtime/reentry_rule.hpp"
+#include "cairn/runtime/tracking_evidence.hpp"
 #include "cairn/tracking/candidate_pool.hpp"
 #include "cairn/tracking/expected_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
 #include "cairn/tracking/landmark_search.hpp"
 #include "cairn/tracking/map_frame.hpp"
+#include "cairn/tracking/place_look_up.hpp"
 #include "cairn/tracking/planar_pose_search.hpp"
-#include "cairn/tracking/relocaliser.hpp"
 
 namespace cairn {
 
@@ -49,19 +51,11 @@ class FrameTracker {
   using Pool = CandidatePool<Config::kMaxCandidates, Config::kMaxKeyframes>;
   using Map = SharedMap<Config>;
   using Library = typename Map::Library;
-  using Places = Relocaliser<Config>;
+  using Places = PlaceLookUp<Config>;
 
   /// All landmarks share the error of the heading: one frame in a hundred without any of them would
   /// be too many, so windows and gates are at 99.99 % (chi-square, 2 degrees of freedom).
   static constexpr float kWideGate = 18.42F;
-
-  struct OdometryNoise {
-    float sigma_speed_mps = 0.1F;  ///< per sample
-    float sigma_turn = 0.0873F;    ///< steering angle, rad, or yaw rate, rad/s, per sample
-    float wheelbase_m = 0.5F;      ///< kAckermann only
-    float sample_period_s = 0.1F;  ///< the period at which the noise above is stated
-    float steady_s = 0.3F;         ///< low pass of the readings at which noise is linearised
-  };
 
   struct Parameters {
     /// The filter's own re-acquisition widens the pose at every prediction, which at frame rate
@@ -89,25 +83,16 @@ class FrameTracker {
     float floor_told_m = 0.08F;        ///< a height known so well tells floor from other things
     float floor_gate = 3.84F;          ///< 95 %
     int max_searches = 40;
-    int min_inliers = 4;
-    int uncertain_frames_to_lost = 60;
-    float min_match_share = 0.08F;     ///< of the landmarks looked for; fewer are taken for chance
+    TrackingEvidence::Parameters evidence;
     int min_sightings_to_store = 6;    ///< of a landmark that leaves the filter
-    float min_usual_share = 0.5F;      ///< of the inliers that the last frames let expect
-    float min_return_share = 0.3F;     ///< the same after two weak frames
-    int min_return_matches = 6;        ///< and at least so many
     int mature_sightings = 12;         ///< from then on a landmark is also in the library
     int library_slots_per_frame = 48;  ///< looked through for landmarks that come into view
     int max_reentries_per_frame = 3;
     float library_inflation = 4.0F;    ///< of the variances of landmarks taken back
     float map_height_sigma_m = 0.02F;  ///< of the library as a whole
     MapDrift map_drift;                ///< of the library's frame
-    int relocalise_after = 5;          ///< weak frames
-    int map_anew_after = 8;            ///< looks at a place that the library does not have
-    int whole_library_every = 3;       ///< looks: the others compare what odometry lets expect
-    float min_found_share = 0.7F;      ///< of what the library should show from a place looked up
     int expected_in_view = 4;          ///< library landmarks by odometry: it has the place
-    typename Places::Parameters places;
+    typename Places::Parameters look_up;
     int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< for want of work; then mapping gets half of a frame
     std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
@@ -142,7 +127,7 @@ class FrameTracker {
   void reserve_ids(LandmarkId next) {
     if (next <= next_id_) return;
     next_id_ = next;
-    first_own_id_ = next;
+    reentry_.take_for_old(next);
   }
   LandmarkId next_id() const { return next_id_; }
 
@@ -158,7 +143,7 @@ class FrameTracker {
   Rigid<float> T_world_camera() const { return on_floor(filter_.mean_pose()) * T_vehicle_camera_; }
   const LandmarkTable<kMaxLandmarks>& landmarks() const { return table_; }
   const Health& health() const { return health_; }
-  TrackingState state() const { return state_; }
+  TrackingState state() const { return evidence_.state(); }
   void hash(Hash64& hash) const;
 
  private:
@@ -178,24 +163,11 @@ class FrameTracker {
   static constexpr float kShortestPath_m = 1e-3F;
 
   Status check_input(const ImageView& image, std::int64_t t_us);
-  Status integrate_to(std::int64_t t_us);
-  PlanarIncrement<float> increment_of(const OdometrySample& motion, float dt, float scale) const;
-  OdometrySample steadied(const OdometrySample& sample) const;
   void keep_map(const ImageView& image, Map& map, FrameReport& report);
   void update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
-  int support_wanted(const FrameReport& report) const;
-  /// Tiles and shelves are found anywhere, but at a wrong place few of them agree.
-  static int support_of_place(int found, const Parameters& parameters) {
-    const int most = (2 * found + 2) / 3;
-    return most > parameters.min_return_matches ? most : parameters.min_return_matches;
-  }
-  bool consistent(const FrameReport& report) const {
-    return report.inliers >= parameters_.min_inliers;
-  }
   void note_matches(const ImageView& image, Map& map,
                     const FixedVector<PixelMatch<float>, kMaxLandmarks>& matches,
                     FrameReport& report);
-  void judge(FrameReport& report);
   void use_floor(TrackedLandmark& landmark);
 
   // What a frame can afford: detail/frame_tracker_work_impl.hpp.
@@ -234,25 +206,13 @@ class FrameTracker {
   void store(int slot, const TrackedLandmark& landmark, Map& map);
   void reenter_landmarks(const Library& library, FrameReport& report);
   bool reenter(const LibraryLandmark& archived, FrameReport& report);
-  bool recently_refused(LandmarkId id) const;
-  void pass_milestones();
-  bool is_old(LandmarkId id) const {
-    return id < milestones_[passed_milestones_ % kMilestones] || id < first_own_id_;
-  }
   Rigid<float> T_world_map() const;
   PlanarPose<float> in_map(const PlanarPose<float>& pose) const;
   void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
   bool looks_for_place() const {
-    return has_library_ && weak_frames_ >= parameters_.relocalise_after &&
-           unrecognised_ < parameters_.map_anew_after;
-  }
-  /// Whether this frame's image will be taken to look its place up, no two frames in a row, or to
-  /// verify one.
-  bool needs_image_for_place() const {
-    return looks_for_place() && (place_found_ || (!places_.working() && !captured_));
+    return has_library_ && look_up_.wanted(parameters_.look_up, evidence_.weak_frames());
   }
   void refuse_place();
-  void note_unrecognised(const Library& library);
   bool plausible(const Rigid<float>& T_map_camera) const;
   bool in_known_place(const Library& library);
   bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
@@ -279,43 +239,22 @@ class FrameTracker {
   Random random_;
   Health health_;
   FrameWork work_;
-  float frame_step_s_ = 0.0F;
-  float turn_variance_ = 0.0F;  ///< of the odometry's turn since the last frame, rad^2
-  OdometrySample motion_;       ///< last sample: held for extrapolation
-  OdometrySample steady_motion_;
-  TrackingState state_ = TrackingState::kInitialising;
   bool initialised_ = false;
   bool has_frame_ = false;
-  bool has_motion_ = false;
-  std::int64_t time_us_ = 0;  ///< of the filter's pose
   std::int64_t last_frame_us_ = 0;
+  float frame_step_s_ = 0.0F;
+  OdometryIntegrator odometry_;
+  TrackingEvidence evidence_;
   LandmarkId next_id_ = 1;
-  LandmarkId first_own_id_ = 1;
   FixedVector<LandmarkId, kMaxKeyframes> keyframes_;  ///< past positions in the filter
   int frames_since_keyframe_ = 0;
-  int weak_frames_ = 0;
-  float usual_share_ = 0.0F;  ///< of the landmarks looked for, inliers of late
 
   MapFrame<Filter> map_frame_;
   Matrix3<float> tracked_covariance_ = Matrix3<float>::Zero();  ///< of the pose when last tracked
   int next_library_slot_ = 0;
-  float way_m_ = 0.0F;
-  static constexpr int kMilestones = 8;
-  LandmarkId milestones_[kMilestones] = {};  ///< next_id_ at the last whole multiples of 2 m
-  int passed_milestones_ = 0;
-  static constexpr int kRefused = 32;
-  LandmarkId refused_[kRefused] = {};
-  int next_refused_ = 0;
-  Places places_;
-  Rigid<float> T_world_camera_captured_;
-  PlanarPrior prior_captured_;  ///< in the library's coordinates
-  bool looked_near_ = false;
-  int looks_ = 0;                 ///< at the place, since tracking was lost
-  bool image_for_place_ = false;  ///< this frame's goes to the look-up: no landmark is searched
-  bool captured_ = false;         ///< by the last frame that looked for its place
-  bool place_found_ = false;      ///< to be verified in the next frame
-  bool has_library_ = false;      ///< something to look a place up in
-  int unrecognised_ = 0;          ///< looks at a place that the library does not have
+  ReentryRule reentry_;
+  Places look_up_;
+  bool has_library_ = false;  ///< something to look a place up in
 };
 
 }  // namespace cairn

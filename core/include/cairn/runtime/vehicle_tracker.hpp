@@ -17,7 +17,6 @@ class VehicleTracker {
   using Supply = typename Frames::Supply;
   using Pool = typename Frames::Pool;
   using Start = typename Frames::Start;
-  using OdometryNoise = typename Frames::OdometryNoise;
   using Parameters = typename Frames::Parameters;
   static constexpr int kMaxLandmarks = Frames::kMaxLandmarks;
 

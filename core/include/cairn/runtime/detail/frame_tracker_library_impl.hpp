@@ -67,24 +67,6 @@ PlanarPose<float> FrameTracker<Config, Filter>::in_map(const PlanarPose<float>& 
   return out;
 }
 
-template <class Config, class Filter>
-bool FrameTracker<Config, Filter>::recently_refused(LandmarkId id) const {
-  for (const LandmarkId refused : refused_) {
-    if (refused == id) return true;
-  }
-  return false;
-}
-
-/// Remembers which landmarks are older than the last `kMilestones` times 2 m of way.
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::pass_milestones() {
-  constexpr float kStep_m = 2.0F;
-  way_m_ += abs(motion_.speed_mps) * frame_step_s_;
-  if (way_m_ < kStep_m) return;
-  way_m_ -= kStep_m;
-  milestones_[passed_milestones_++ % kMilestones] = next_id_;
-}
-
 /// Looks through a slice of the library for landmarks that come into view and takes them back into
 /// the filter, where the next frames look for them in the windows that their covariance gives.
 template <class Config, class Filter>
@@ -111,7 +93,7 @@ void FrameTracker<Config, Filter>::reenter_landmarks(const Library& library, Fra
                    Span<LandmarkId>{active, filter_.landmark_count()}, visible, kReentryCandidates);
   for (int i = 0; i < count && report.reentered < parameters_.max_reentries_per_frame; ++i) {
     if (filter_.landmark_count() + kReserve >= kMaxLandmarks) return;
-    if (!is_old(visible[i].id) || recently_refused(visible[i].id)) continue;
+    if (!reentry_.allows(visible[i].id)) continue;
     if (!work_.take(work::kPromotion)) return;
     reenter(library[visible[i].slot], report);
   }
@@ -150,64 +132,41 @@ bool FrameTracker<Config, Filter>::reenter(const LibraryLandmark& archived, Fram
   }
 }
 
-/// One step towards the place: an image is taken, compared with the library over the next frames,
-/// and a pose that comes of it must agree with the filter's and, in the frame after, with the image
-/// of that time.
+/// One step towards the place. A pose found must agree with the filter's and, in the frame after,
+/// with the image of that time.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Library& library,
                                               Map& map, FrameReport& report) {
-  using Outcome = typename Places::Outcome;
-  if (place_found_) {
-    place_found_ = false;
+  if (look_up_.take_found()) {
     if (come_back(image, library, map, report)) {
       report.relocalised = true;
-      usual_share_ = 0.0F;  // landmarks of the time without sight are among those looked for
+      evidence_.forget_usual();  // landmarks of the time without sight are among those looked for
       ++health_.relocalisations;
     } else {
       refuse_place();
     }
     return;
   }
-  if (!places_.working()) {
-    captured_ = image_for_place_ && work_.affords(Places::least_capture_work(image));
-    if (!captured_) return;
-    T_world_camera_captured_ = T_world_camera();
-    prior_captured_ = {in_map(filter_.mean_pose()), filter_.pose_covariance()};
-    looked_near_ = false;
-    static_cast<void>(places_.capture(image, parameters_.places, scratch_.places, work_.budget()));
+  if (!look_up_.working()) {
+    look_up_.capture(image, T_world_camera(),
+                     {in_map(filter_.mean_pose()), filter_.pose_covariance()}, parameters_.look_up,
+                     scratch_.places, work_.budget());
     return;
   }
-  captured_ = false;
-  if (!looked_near_) {
-    if (!work_.take(Places::near_work())) return;
-    looked_near_ = true;
-    place_found_ = places_.look_near({camera_, T_vehicle_camera_}, prior_captured_, library,
-                                     parameters_.places, scratch_.places);
-    if (place_found_ || ++looks_ % parameters_.whole_library_every == 0) return;
-    places_.reset();
-    note_unrecognised(library);
-    return;
+  const typename Places::Outcome outcome =
+      look_up_.look({camera_, T_vehicle_camera_}, library, parameters_.look_up, random_,
+                    scratch_.places, work_.budget());
+  if (outcome == Places::Outcome::kFound && !plausible(look_up_.T_map_camera())) refuse_place();
+  // A camera that shows nothing of a known place is covered, or shows another: no map is made.
+  if (outcome == Places::Outcome::kUnrecognised && !in_known_place(library)) {
+    look_up_.note_unknown();
   }
-  if (!work_.affords(Places::step_work(parameters_.places))) return;
-  const Outcome outcome =
-      places_.step(camera_, library, parameters_.places, random_, scratch_.places, work_.budget());
-  if (outcome == Outcome::kFailed) note_unrecognised(library);
-  if (outcome != Outcome::kFound) return;
-  place_found_ = plausible(places_.T_map_camera());
-  if (!place_found_) refuse_place();
 }
 
-/// A camera that shows nothing of a known place is covered, or shows another: no map is made of it.
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::note_unrecognised(const Library& library) {
-  if (!in_known_place(library)) ++unrecognised_;
-}
-
-/// The camera shows a place of the map where the vehicle cannot be: nothing to map there.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::refuse_place() {
   ++health_.false_relocalisations_refused;
-  unrecognised_ = -4 * parameters_.map_anew_after;
+  look_up_.refuse(parameters_.look_up);
 }
 
 /// Whether the library has something to show near where odometry says the vehicle is.
@@ -232,7 +191,7 @@ bool FrameTracker<Config, Filter>::plausible(const Rigid<float>& T_map_camera) c
   constexpr float kGateDof3 = 21.11F;    // 99.99 %
   const Rigid<float> T_world_camera = T_world_map() * T_map_camera;
   const Rigid<float> T_expected_found =
-      (T_world_camera_captured_ * T_vehicle_camera_.inverse()).inverse() *
+      (look_up_.T_world_camera() * T_vehicle_camera_.inverse()).inverse() *
       (T_world_camera * T_vehicle_camera_.inverse());
   const Vector3<float> turn = rotation_log(T_expected_found.rotation);
   const Vector3<float>& moved = T_expected_found.translation;
@@ -240,7 +199,7 @@ bool FrameTracker<Config, Filter>::plausible(const Rigid<float>& T_map_camera) c
     return false;
   }
   const Vector3<float> in_world =
-      (T_world_camera_captured_ * T_vehicle_camera_.inverse()).rotation * moved;
+      (look_up_.T_world_camera() * T_vehicle_camera_.inverse()).rotation * moved;
   const Vector3<float> error(in_world.x(), in_world.y(), turn.z());
   Matrix3<float> S = filter_.pose_covariance();
   for (int i = 0; i < 3; ++i) S(i, i) += i < 2 ? kMapVariance : 0.1F * kMapVariance;
@@ -254,7 +213,7 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
                                              Map& map, FrameReport& report) {
   constexpr float kWindowVariance = 16.0F;  // px^2: the pose found, and the way made since
   const Rigid<float> T_map_camera =
-      places_.T_map_camera() * (T_world_camera_captured_.inverse() * T_world_camera());
+      look_up_.T_map_camera() * (look_up_.T_world_camera().inverse() * T_world_camera());
   VisibilityOptions<float> options;
   options.margin_px = 30.0F;
   options.min_cosine = 0.9F;
@@ -265,9 +224,7 @@ bool FrameTracker<Config, Filter>::come_back(const ImageView& image, const Libra
   static_cast<void>(search_expected(image, camera_, T_map_camera, library, memory.visible, count,
                                     kWindowVariance, parameters_.search, memory.search,
                                     memory.matches, work_.budget()));
-  const int found = memory.matches.size();
-  const float wanted = parameters_.min_found_share * static_cast<float>(count);
-  if (found < parameters_.min_return_matches || static_cast<float>(found) < wanted) return false;
+  if (!evidence_.tells_place(memory.matches.size(), count)) return false;
 
   make_room(map, memory.matches.size() + 2, kMaxLandmarks, report);
   for (int i = memory.matches.size() - 1; i >= 0; --i) {

@@ -9,7 +9,8 @@ typename FrameTracker<Config, Filter>::Pool::Parameters
 FrameTracker<Config, Filter>::pool_parameters() const {
   constexpr float kSlowest = 0.02F;
   typename Pool::Parameters pool = parameters_.pool;
-  const float speed = abs(motion_.speed_mps) > kSlowest ? abs(motion_.speed_mps) : kSlowest;
+  const float told = abs(odometry_.speed_mps());
+  const float speed = told > kSlowest ? told : kSlowest;
   pool.search = parameters_.search;
   // Depth is told by the way made between frames: a fast vehicle must look, and may trust, farther.
   constexpr float kInitialDepthInSteps = 12.0F;
@@ -20,8 +21,9 @@ FrameTracker<Config, Filter>::pool_parameters() const {
     pool.initial_sigma_rho = 1.0F / pool.initial_depth_m;
   }
   if (kMaxDepthInSteps * step > pool.max_depth_m) pool.max_depth_m = kMaxDepthInSteps * step;
-  pool.sigma_yaw_rad = state_ == TrackingState::kTracking ? parameters_.tracked_yaw_rad
-                                                          : sqrt(turn_variance_) + 1e-4F;
+  pool.sigma_yaw_rad = state() == TrackingState::kTracking
+                           ? parameters_.tracked_yaw_rad
+                           : sqrt(odometry_.turn_variance()) + 1e-4F;
   return pool;
 }
 
@@ -38,8 +40,7 @@ void FrameTracker<Config, Filter>::remove_landmarks(Map& map, FrameReport& repor
     if (!work_.take(work::kRemoval)) return;
     if (not_recognised) {
       tell(map, Map::Message::Kind::kNotFound, landmark->id);
-      refused_[next_refused_] = landmark->id;
-      next_refused_ = (next_refused_ + 1) % kRefused;
+      reentry_.refuse(landmark->id);
     }
     remove_landmark(slot, report);
   }
@@ -87,7 +88,7 @@ void FrameTracker<Config, Filter>::build_map(const ImageView& image, bool growin
   health_.candidates_dropped += static_cast<std::uint32_t>(dropped);
   if (growing) promote_candidates(report);
   end_keyframes(false);
-  turn_variance_ = 0.0F;
+  odometry_.forget_turn();
   ++frames_since_keyframe_;
   if (growing) begin_candidates(image, report);
 }

@@ -13,7 +13,7 @@ namespace cairn {
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::begin_work() {
   work_.begin(work::kFrame + work::kProjection * filter_.landmark_count());
-  image_for_place_ = needs_image_for_place();
+  look_up_.begin_frame(looks_for_place());
 }
 
 template <class Config, class Filter>
@@ -26,10 +26,7 @@ int FrameTracker<Config, Filter>::updating_work(int matches) const {
 /// What searches may take: what is left when the update and a step of the look-up are paid.
 template <class Config, class Filter>
 int FrameTracker<Config, Filter>::searching_work() const {
-  int look_up = 0;
-  if (looks_for_place() && places_.working()) {
-    look_up = looked_near_ ? Places::step_work(parameters_.places) : Places::near_work();
-  }
+  const int look_up = looks_for_place() ? look_up_.next_work(parameters_.look_up) : 0;
   const int planned = searches_planned();
   const int landmarks = filter_.landmark_count();
   return work_.for_searches(look_up, updating_work(planned < landmarks ? planned : landmarks));
@@ -38,7 +35,7 @@ int FrameTracker<Config, Filter>::searching_work() const {
 /// While the place is looked up, that work takes the place of searches.
 template <class Config, class Filter>
 int FrameTracker<Config, Filter>::searches_planned() const {
-  if (image_for_place_) return 0;
+  if (look_up_.image_wanted()) return 0;
   return looks_for_place() ? parameters_.max_searches / 2 : parameters_.max_searches;
 }
 
