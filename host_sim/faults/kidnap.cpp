@@ -6,15 +6,17 @@
 #include <Eigen/LU>
 
 #include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/runtime/replay.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
 
 #include "host_sim/run/core_conversions.hpp"
+#include "host_sim/run/input_log_file.hpp"
 #include "host_sim/sources/hall_source.hpp"
 
 namespace cairn::host {
 namespace {
 
-using Tracker =
+using Vehicle =
     VehicleTracker<DefaultConfig, GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>>;
 
 constexpr int kLapFrames = 2400;
@@ -28,25 +30,19 @@ std::unique_ptr<FrameSource> hall_from(const KidnapSettings& settings, int first
   return make_hall_source(options);
 }
 
-void start(Tracker& tracker, const SourceInfo& info, const Frame& first, std::uint64_t seed) {
-  Tracker::Parameters parameters;
-  parameters.seed = seed;
-  parameters.odometry.sigma_speed_mps = static_cast<float>(info.odometry->speed_sigma_mps);
-  parameters.odometry.sigma_turn = static_cast<float>(info.odometry->turn_sigma);
-  parameters.odometry.wheelbase_m = static_cast<float>(info.odometry->wheelbase_m);
-  parameters.odometry.sample_period_s = static_cast<float>(info.odometry->period_s);
-  Tracker::Start at;
+void start(Vehicle& tracker, const SourceInfo& info, const Frame& first, std::uint64_t seed) {
   const Rigid<double>& pose = *first.true_T_world_vehicle;
   const Vector3<double> forward = pose.rotation * Vector3<double>::UnitX();
-  at.pose.position = pose.translation.head<2>().cast<float>();
-  at.pose.heading = static_cast<float>(cairn::atan2(forward.y(), forward.x()));
-  at.covariance = Matrix3<float>::Identity() * 1e-6F;
-  at.t_us = first.t_us;
-  static_cast<void>(
-      tracker.initialise(to_float(info.camera), to_float(info.T_vehicle_camera), at, parameters));
+  TrackerOptions options;
+  options.seed = seed;
+  options.start_x_m = pose.translation.x();
+  options.start_y_m = pose.translation.y();
+  options.start_theta_rad = cairn::atan2(forward.y(), forward.x());
+  options.start_position_variance = options.start_heading_variance = 1e-6;
+  static_cast<void>(start_replay(to_log_header(options, info, first.t_us), tracker));
 }
 
-FrameReport feed(Tracker& tracker, const Frame& frame, const cv::Mat& picture) {
+FrameReport feed(Vehicle& tracker, const Frame& frame, const cv::Mat& picture) {
   for (const OdometrySample& sample : frame.odometry) {
     static_cast<void>(tracker.add_odometry(sample));
   }
@@ -55,12 +51,12 @@ FrameReport feed(Tracker& tracker, const Frame& frame, const cv::Mat& picture) {
   return report;
 }
 
-double position_error(const Tracker& tracker, const Frame& frame) {
+double position_error(const Vehicle& tracker, const Frame& frame) {
   const Vector2<double> p = tracker.filter().pose().position.cast<double>();
   return (p - frame.true_T_world_vehicle->translation.head<2>()).norm();
 }
 
-double distance_squared(const Tracker& a, const Tracker& b, const Matrix3<double>& more) {
+double distance_squared(const Vehicle& a, const Vehicle& b, const Matrix3<double>& more) {
   const PlanarPose<float> pa = a.filter().pose();
   const PlanarPose<float> pb = b.filter().pose();
   const Vector3<double> d(static_cast<double>(pa.position.x() - pb.position.x()),
@@ -74,7 +70,7 @@ double distance_squared(const Tracker& a, const Tracker& b, const Matrix3<double
 /// A trial while its frames go by.
 struct Running {
   KidnapTrial trial;
-  std::unique_ptr<Tracker> tracker;
+  std::unique_ptr<Vehicle> tracker;
   Matrix3<double> open = Matrix3<double>::Zero();  ///< covariance when the picture comes back
   int good = 0;  ///< frames tracked in a row since the picture is back
 
@@ -131,7 +127,7 @@ std::vector<KidnapTrial> run_kidnap_trials(const KidnapSettings& settings,
     end = std::max(end, t.start + t.length + settings.watched + 1);
   const auto source = hall_from(settings, 0, end);
   const auto other = hall_from(settings, kLapFrames / 2 + settings.first_frame, end);
-  auto undisturbed = std::make_unique<Tracker>();
+  auto undisturbed = std::make_unique<Vehicle>();
   std::vector<Running> running;
   std::vector<KidnapTrial> done;
   Frame frame;
@@ -141,7 +137,7 @@ std::vector<KidnapTrial> run_kidnap_trials(const KidnapSettings& settings,
     for (const KidnapTrial& trial : trials) {
       if (trial.start != number) continue;
       running.push_back(
-          {trial, std::make_unique<Tracker>(*undisturbed), Matrix3<double>::Zero(), 0});
+          {trial, std::make_unique<Vehicle>(*undisturbed), Matrix3<double>::Zero(), 0});
     }
     static_cast<void>(feed(*undisturbed, frame, frame.grey));
     const cv::Mat black = cv::Mat::zeros(frame.grey.size(), CV_8UC1);

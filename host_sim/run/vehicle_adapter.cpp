@@ -5,11 +5,13 @@
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/runtime/replay.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
 
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/run/core_conversions.hpp"
 #include "host_sim/run/host_ticks.hpp"
+#include "host_sim/run/input_log_file.hpp"
 
 namespace cairn::host {
 namespace {
@@ -21,17 +23,10 @@ class VehicleAdapter : public Tracker {
 
   VehicleAdapter(const TrackerOptions& options, const SourceInfo& source)
       : core_(std::make_unique<Core>()),
+        header_(to_log_header(options, source, 0)),
+        work_limit_(options.work_limit),
         filter_name_(options.filter),
-        source_name_(source.name),
-        options_(options) {
-    parameters_.seed = options.seed;
-    if (options.work_limit) parameters_.work_limit = *options.work_limit;
-    parameters_.odometry.sigma_speed_mps = static_cast<float>(source.odometry->speed_sigma_mps);
-    parameters_.odometry.sigma_turn = static_cast<float>(source.odometry->turn_sigma);
-    parameters_.odometry.wheelbase_m = static_cast<float>(source.odometry->wheelbase_m);
-    parameters_.odometry.sample_period_s = static_cast<float>(source.odometry->period_s);
-    camera_ = to_float(source.camera);
-    T_vehicle_camera_ = to_float(source.T_vehicle_camera);
+        source_name_(source.name) {
     static_cast<void>(augmenter_.initialise(Augmenter::Parameters{}));
     start(0);
   }
@@ -105,30 +100,22 @@ class VehicleAdapter : public Tracker {
   }
 
  private:
+  /// As a replay of the run's log starts.
   void start(std::int64_t t_us) {
-    typename Core::Start start;
-    start.pose.position = Vector2<float>(static_cast<float>(options_.start_x_m),
-                                         static_cast<float>(options_.start_y_m));
-    start.pose.heading = static_cast<float>(options_.start_theta_rad);
-    start.covariance = Vector3<float>(static_cast<float>(options_.start_position_variance),
-                                      static_cast<float>(options_.start_position_variance),
-                                      static_cast<float>(options_.start_heading_variance))
-                           .asDiagonal();
-    start.t_us = t_us;
-    const Status status = core_->initialise(camera_, T_vehicle_camera_, start, parameters_);
+    header_.start_t_us = t_us;
+    const Status status = start_replay(header_, *core_);
     if (!ok(status)) {
       throw InputError(source_name_, fmt::format("camera refused: {}", to_string(status)));
     }
+    if (work_limit_) static_cast<void>(core_->set_work_limit(*work_limit_));
   }
 
   std::unique_ptr<Core> core_;
+  InputLogHeader header_;
+  std::optional<int> work_limit_;
   Augmenter augmenter_;
   std::string filter_name_;
   std::string source_name_;
-  TrackerOptions options_;
-  typename Core::Parameters parameters_;
-  PinholeCamera<float> camera_;
-  Rigid<float> T_vehicle_camera_;
   bool started_ = false;
 };
 
