@@ -29,7 +29,10 @@ class PlaceLookUp {
     kFound,         ///< somewhere in the library: refuse() where the vehicle cannot be
   };
 
-  void reset() { *this = PlaceLookUp(); }
+  void reset() {
+    looked_near_ = image_wanted_ = captured_ = false;
+    end();
+  }
   /// The place is known again.
   void end() {
     places_.reset();
