@@ -45,13 +45,6 @@ class FeatureSupply {
   /// The most units of work that one cell takes.
   int cell_work() const { return work::fast(cell_width_, cell_height_); }
 
-  /// The same without a limit of work.
-  int find(const ImageView& image, const Parameters& parameters, int wanted, Scratch& scratch,
-           Corner* corners, Report& report) {
-    WorkBudget unlimited;
-    return find(image, parameters, wanted, scratch, corners, report, unlimited);
-  }
-
   /// A landmark or candidate stands at this pixel.
   void occupy(float u, float v) {
     const Place place{static_cast<int>(u), static_cast<int>(v)};
