@@ -140,8 +140,9 @@ class VideoRun {
     if (wanted <= 0) return;
     Corner corners[Supply::kCells];
     Supply::Report report;
-    const int found =
-        supply_.find(image, supply_parameters_, wanted, supply_scratch_, corners, report);
+    WorkBudget unlimited;
+    const int found = supply_.find(image, supply_parameters_, wanted, supply_scratch_, corners,
+                                   report, unlimited);
     for (int i = 0; i < found; ++i) {
       Appearance appearance;
       if (!take(image, corners[i], appearance)) continue;
