@@ -66,6 +66,30 @@ class KeepEarlier(unittest.TestCase):
         self.assertEqual(now, result("new"))
 
 
+class KeepRows(unittest.TestCase):
+    EARLIER = ("# Page\n\n| target | flash |\n| --- | ---: |\n| cortex-m7 | 1 |\n| cortex-m55 | 2 |\n"
+               "| cortex-m55 | 3 |\n| host-gcc-O0 | 4 |\n\n| target | other |\n| --- | --- |\n| cortex-m55 | 9 |\n")
+
+    def test_rows_of_targets_not_measured_stay_in_their_order(self):
+        text = "# New\n\n| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n| riscv64-linux | 6 |\n\nEnd.\n"
+        kept = footprint_page.keep_rows(self.EARLIER, text, ["cortex-m7", "riscv64-linux"])
+        self.assertEqual(kept, "# New\n\n| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n| cortex-m55 | 2 |\n"
+                               "| cortex-m55 | 3 |\n| riscv64-linux | 6 |\n| host-gcc-O0 | 4 |\n\nEnd.\n")
+
+    def test_a_table_at_the_end_of_the_page(self):
+        text = "| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n"
+        kept = footprint_page.keep_rows(self.EARLIER, text, ["cortex-m7", "cortex-m55"])
+        self.assertEqual(kept, text + "| host-gcc-O0 | 4 |\n")
+
+    def test_rows_under_another_heading_go(self):
+        text = "| target | flash | RAM |\n| --- | ---: | ---: |\n| cortex-m7 | 5 | 6 |\n"
+        self.assertEqual(footprint_page.keep_rows(self.EARLIER, text, ["cortex-m7"]), text)
+
+    def test_no_earlier_page(self):
+        text = "| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n\n| image | targets |\n| --- | --- |\n| a | b |\n"
+        self.assertEqual(footprint_page.keep_rows("", text, ["cortex-m7"]), text)
+
+
 class TimingPage(unittest.TestCase):
     def test_says_the_commit_of_the_timing(self):
         now = result("new")

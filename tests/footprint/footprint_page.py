@@ -43,6 +43,39 @@ their own commit where it is another.
 """
 
 
+def keep_rows(earlier, text, measured):
+    """`text` with the rows of targets that were not measured as `earlier`, the page of before, has them: in tables
+    of the same heading, whose first column is the target."""
+    kept = {}
+    heading = None
+    for line in earlier.splitlines():
+        if not line.startswith("|"):
+            heading = None
+        elif line.startswith("| target |"):
+            heading = line
+        elif target_of(line) in ORDER and target_of(line) not in measured:
+            kept.setdefault(heading, []).append(line)
+    out, rows, heading = [], [], None
+    for line in [*text.splitlines(), ""]:
+        if heading is not None and target_of(line) in ORDER:
+            rows.append(line)
+            continue
+        if rows and not line.startswith("|"):
+            out += sorted(rows + kept.get(heading, []), key=lambda row: ORDER.index(target_of(row)))
+            rows = []
+        heading = line if line.startswith("| target |") else heading if line.startswith("|") else None
+        out.append(line)
+    return "\n".join(out[:-1]) + "\n"
+
+
+def target_of(line):
+    return line.split("|")[1].strip() if line.startswith("|") else None
+
+
+def renew(page, text, measured):
+    page.write_text(keep_rows(page.read_text() if page.exists() else "", text, measured))
+
+
 def compiler_of(root, target):
     """Compiler, its version, and the options of optimisation and CPU, as the build used them."""
     build = root / "build" / target
@@ -111,7 +144,7 @@ def footprint(root, results):
         for step in path:
             size, name = step.split(" ", 1)
             rows.append(f"| {size} | `{name.replace('|', ' ')}` |")
-    (root / "docs/reference/footprint.md").write_text(FOOTPRINT + "\n".join(rows) + "\n")
+    renew(root / "docs/reference/footprint.md", FOOTPRINT + "\n".join(rows) + "\n", results)
 
 
 def unit_text(entries):
@@ -139,7 +172,7 @@ def targets(root, results):
                     f"{str(entries['modules']) + ' equal' if entries['modules_equal'] else '**differ**'} | "
                     f"{unit_text(entries)} | "
                     + " | ".join(cells.get(name, "-") for name in names) + " |")
-    (root / "docs/reference/targets.md").write_text(TARGETS + "\n".join(rows) + "\n")
+    renew(root / "docs/reference/targets.md", TARGETS + "\n".join(rows) + "\n", results)
 
 
 def write(root, results):
