@@ -12,9 +12,8 @@
 #                    every target (long)
 #   --targets LIST   these presets alone, comma-separated; what was measured of the others stays
 #
-# Leaves build/firmware/summary.json and renews docs/reference/footprint.md, targets.md and, with
-# --timing, timing.md: a row for each target, with the commit it was measured at; those that this build
-# folder has not measured stay as they were.
+# Leaves build/firmware/summary.json and renews docs/reference/footprint.md and targets.md, where rows of
+# targets that this build folder has not measured stay as they were, and with --timing timing.md.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -37,7 +36,7 @@ while [ $# -gt 0 ]; do
     --targets)
       [ $# -ge 2 ] || { echo "firmware: --targets needs a list" >&2; exit 2; }
       IFS=, read -ra targets <<<"$2"; shift ;;
-    *) sed -n '2,17p' "$0" >&2; exit 2 ;;
+    *) sed -n '2,16p' "$0" >&2; exit 2 ;;
   esac
   shift
 done

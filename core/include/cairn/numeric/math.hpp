@@ -39,6 +39,7 @@ inline float sqrt(float x) {
 inline double sqrt(double x) {
   return std::sqrt(x);
 }
+
 /// Largest integer whose square is at most `value`. Cost: at most 32 steps.
 std::uint32_t integer_sqrt(std::uint64_t value);
 

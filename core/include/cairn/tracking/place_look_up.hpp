@@ -60,11 +60,14 @@ class PlaceLookUp {
     return looked_near_ ? Places::step_work(parameters.places) : Places::near_work();
   }
 
-  /// Takes an image at the pose that odometry tells, if this is the frame for it and `budget` pays.
+  /// Whether this frame's image is to be taken, which `budget` must pay: capture() follows.
+  bool takes_image(const ImageView& image, const WorkBudget& budget) {
+    captured_ = image_wanted_ && budget.affords(Places::least_capture_work(image));
+    return captured_;
+  }
+  /// Takes an image at the pose that odometry tells. `prior`: of the vehicle in the library.
   void capture(const ImageView& image, const Rigid<float>& T_world_camera, const PlanarPrior& prior,
                const Parameters& parameters, Scratch& scratch, WorkBudget& budget) {
-    captured_ = image_wanted_ && budget.affords(Places::least_capture_work(image));
-    if (!captured_) return;
     T_world_camera_ = T_world_camera;
     prior_ = prior;
     looked_near_ = false;

@@ -148,6 +148,7 @@ void FrameTracker<Config, Filter>::relocalise(const ImageView& image, const Libr
     return;
   }
   if (!look_up_.working()) {
+    if (!look_up_.takes_image(image, work_.budget())) return;
     look_up_.capture(image, T_world_camera(),
                      {in_map(filter_.mean_pose()), filter_.pose_covariance()}, parameters_.look_up,
                      scratch_.places, work_.budget());
