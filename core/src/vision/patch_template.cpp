@@ -16,7 +16,6 @@ using vision::store_pair;
 using vision::subtract_pairs;
 
 constexpr int kSide = vision::kPatchSide;
-constexpr int kPitch = vision::kRowPitch;
 constexpr int kPadded = kSide + 2;         // one more on each side, for gradients
 constexpr int kPaddedPitch = kPadded + 1;  // whole pairs
 constexpr int kMinPixels = kSide * kSide / 3;
