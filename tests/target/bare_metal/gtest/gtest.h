@@ -146,6 +146,12 @@ bool add_typed(Types<Each...>, const char* suite, const char* name) {
   return (add_body<Body<Each>>(suite, name) && ...);
 }
 
+/// The list of an instantiation; a function that names its cases may follow and is not used.
+template <class List, class... Namer>
+List values_of(const List& list, const Namer&...) {
+  return list;
+}
+
 /// Tests and parameters of one parameterised suite, joined when the tests run.
 template <class Suite>
 struct Parameterised {
@@ -237,12 +243,12 @@ struct Parameterised {
           suite##_##name##_body, #suite);                                                 \
   void CAIRN_TEST_CLASS(suite, name)::TestBody()
 
-#define INSTANTIATE_TEST_SUITE_P(prefix, suite, list, ...)                                  \
-  static const auto prefix##_##suite##_values = list;                                       \
-  static ::testing::internal::Parameterised<suite>::List prefix##_##suite##_list{           \
-      prefix##_##suite##_values.data(), static_cast<int>(prefix##_##suite##_values.size()), \
-      nullptr};                                                                             \
-  static const bool prefix##_##suite##_added =                                              \
+#define INSTANTIATE_TEST_SUITE_P(prefix, suite, ...)                                         \
+  static const auto prefix##_##suite##_values = ::testing::internal::values_of(__VA_ARGS__); \
+  static ::testing::internal::Parameterised<suite>::List prefix##_##suite##_list{            \
+      prefix##_##suite##_values.data(), static_cast<int>(prefix##_##suite##_values.size()),  \
+      nullptr};                                                                              \
+  static const bool prefix##_##suite##_added =                                               \
       ::testing::internal::Parameterised<suite>::add_list(prefix##_##suite##_list)
 
 #define CAIRN_TEST_FAILURE(text, fatal) \
