@@ -12,8 +12,8 @@
 #                    every target (long)
 #   --targets LIST   these presets alone, comma-separated; what was measured of the others stays
 #
-# Leaves build/firmware/summary.json and renews docs/reference/footprint.md and targets.md, where rows of
-# targets that this build folder has not measured stay as they were, and with --timing timing.md.
+# Leaves build/firmware/summary.json and renews docs/reference/footprint.md and targets.md, and with --timing
+# timing.md. Rows of targets that this build folder has not measured stay as they were.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -45,7 +45,7 @@ if [ ${#targets[@]} -eq 0 ]; then
   [ $all = no ] || targets+=("${hosts[@]}")
 fi
 
-scripts/setup.sh clang qemu-user googletest \
+scripts/setup.sh qemu-user googletest \
   g++-aarch64-linux-gnu g++-arm-linux-gnueabihf g++-riscv64-linux-gnu
 
 programs=(port_selftest exercise footprint replay_vehicle replay_handheld replay_vehicle_tiny

@@ -4,7 +4,7 @@
 set -euo pipefail
 
 packages=(
-  build-essential cmake ninja-build git clang-format clang-tidy
+  build-essential cmake ninja-build git clang clang-format clang-tidy
   libeigen3-dev libopencv-dev libgtest-dev libbenchmark-dev librapidcheck-dev
   libcli11-dev nlohmann-json3-dev libyaml-cpp-dev libfmt-dev
   python3 python3-matplotlib valgrind

@@ -4,7 +4,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-boards=(cortex-m7 cortex-m4f)
+boards=(cortex-m7 cortex-m4f cortex-m7-clang)
 
 scripts/setup.sh
 for board in "${boards[@]}"; do

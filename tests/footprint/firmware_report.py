@@ -24,13 +24,14 @@ import footprint_page  # noqa: E402
 import frame_timing  # noqa: E402
 import inputs  # noqa: E402
 import memory  # noqa: E402
+import page_tables  # noqa: E402
 import timing_page  # noqa: E402
 from targets import Target  # noqa: E402
 
 OUT = ROOT / "build/firmware"
 LOGS = OUT / "logs"
 RESULTS = OUT / "results"
-IMAGES = ["vehicle", "handheld", "vehicle_tiny", "handheld_tiny", "vehicle_large", "handheld_large"]
+IMAGES = footprint_page.REPLAYS
 PARTS = ("filter", "map", "vision", "tracker")
 REPLAY_OPTIONS = ["--overlay", "yes"]
 
@@ -179,7 +180,7 @@ def measure_target(args):
 def all_results():
     """Of every target that was measured, the boards first."""
     found = {path.stem: json.loads(path.read_text()) for path in RESULTS.glob("*.json")}
-    return {name: found[name] for name in footprint_page.ORDER if name in found}
+    return {name: found[name] for name in page_tables.ORDER if name in found}
 
 
 def write_pages():

@@ -8,6 +8,7 @@ import unittest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import firmware_report  # noqa: E402
 import footprint_page  # noqa: E402
+import page_tables  # noqa: E402
 import timing_page  # noqa: E402
 
 
@@ -72,35 +73,71 @@ class KeepRows(unittest.TestCase):
 
     def test_rows_of_targets_not_measured_stay_in_their_order(self):
         text = "# New\n\n| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n| riscv64-linux | 6 |\n\nEnd.\n"
-        kept = footprint_page.keep_rows(self.EARLIER, text, ["cortex-m7", "riscv64-linux"])
+        kept = page_tables.keep_rows(self.EARLIER, text, ["cortex-m7", "riscv64-linux"])
         self.assertEqual(kept, "# New\n\n| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n| cortex-m55 | 2 |\n"
                                "| cortex-m55 | 3 |\n| riscv64-linux | 6 |\n| host-gcc-O0 | 4 |\n\nEnd.\n")
 
     def test_a_table_at_the_end_of_the_page(self):
         text = "| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n"
-        kept = footprint_page.keep_rows(self.EARLIER, text, ["cortex-m7", "cortex-m55"])
+        kept = page_tables.keep_rows(self.EARLIER, text, ["cortex-m7", "cortex-m55"])
         self.assertEqual(kept, text + "| host-gcc-O0 | 4 |\n")
 
     def test_rows_under_another_heading_go(self):
         text = "| target | flash | RAM |\n| --- | ---: | ---: |\n| cortex-m7 | 5 | 6 |\n"
-        self.assertEqual(footprint_page.keep_rows(self.EARLIER, text, ["cortex-m7"]), text)
+        self.assertEqual(page_tables.keep_rows(self.EARLIER, text, ["cortex-m7"]), text)
 
     def test_no_earlier_page(self):
         text = "| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n\n| image | targets |\n| --- | --- |\n| a | b |\n"
-        self.assertEqual(footprint_page.keep_rows("", text, ["cortex-m7"]), text)
+        self.assertEqual(page_tables.keep_rows("", text, ["cortex-m7"]), text)
 
 
-class TimingPage(unittest.TestCase):
-    def test_says_the_commit_of_the_timing(self):
+class Pages(unittest.TestCase):
+    """The written pages, in a folder of their own."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        for path in ("docs/reference", "tests/footprint", "tests/target"):
+            (self.root / path).mkdir(parents=True)
+        (self.root / "tests/footprint/budget.json").write_text("{}")
+        (self.root / "tests/target/inputs.json").write_text(
+            '{"inputs": [{"name": "hall", "source": "hall"}, {"name": "noise", "source": "stress:noise"}]}')
+
+    def page(self, name):
+        return (self.root / "docs/reference" / f"{name}.md").read_text()
+
+    def test_timing_says_its_commit(self):
         now = result("new")
         firmware_report.keep_earlier(now, result("old", timing=timing(5)), False)
-        with tempfile.TemporaryDirectory() as folder:
-            page = pathlib.Path(folder) / "docs/reference/timing.md"
-            page.parent.mkdir(parents=True)
-            timing_page.write(pathlib.Path(folder), {"cortex-m7": now})
-            text = page.read_text()
-        self.assertIn("| cortex-m7 | old | vehicle | 1 | 5 | hall |", text)
-        self.assertEqual(text.count("## cortex-m7, `vehicle`, hall"), 1)
+        timing_page.write(self.root, {"cortex-m7": now})
+        self.assertIn("| cortex-m7 | old | vehicle | 1 | 5 | hall |", self.page("timing"))
+        self.assertIn("| cortex-m7 | vehicle | hall | typical | 5 | 5 | 5 | 1.00 | 5 | - | - |", self.page("timing"))
+
+    def test_timing_keeps_boards_that_were_not_timed_and_the_gate(self):
+        timing_page.write(self.root, {"cortex-m7": result("a", timing=timing(5), coverage=coverage()),
+                                      "cortex-m4f": result("a", timing=timing(6))})
+        timing_page.write(self.root, {"cortex-m4f": result("b", timing=timing(7))})
+        text = self.page("timing")
+        self.assertIn("| cortex-m7 | a | vehicle | 1 | 5 | hall |", text)
+        self.assertIn("| cortex-m4f | b | vehicle | 1 | 7 | hall |", text)
+        self.assertEqual(text.count("| cortex-m4f | "), 3)
+        self.assertEqual(timing_page.read_gate(self.root / "docs/reference/timing.md"),
+                         {("cortex-m7", "vehicle", "hall"): 5})
+
+    def test_targets_say_which_inputs_differ(self):
+        def replayed(**equal):
+            return {"ram_bytes": {}, "frames": 60 * len(equal),
+                    "inputs": {name: {"frames": 60, "hash_equal": same} for name, same in equal.items()}}
+        about = {"compiler": "GCC", "revision": "a", "selftest": True, "modules": 7, "modules_equal": True}
+        footprint_page.targets(self.root, {
+            "cortex-m7": {**about, "vehicle": replayed(hall=True, noise=True), "vehicle_large": replayed(hall=True)},
+            "cortex-m33": {**about, "vehicle": replayed(hall=True, noise=False)}})
+        text = self.page("targets")
+        self.assertIn("| 7 equal | - | 120 equal | - | - | - | 60 equal | - |\n", text)
+        self.assertIn("| 7 equal | - | **differs**: noise | - | - | - | - | - |\n", text)
+        self.assertIn("| hall | 60 | `hall` | vehicle, vehicle_large |\n| noise | 60 | `stress:noise` | vehicle |\n",
+                      text)
 
 
 if __name__ == "__main__":

@@ -2,10 +2,8 @@
 import json
 import re
 
-BOARDS = ["cortex-m7", "cortex-m4f", "cortex-m33", "cortex-m55", "cortex-m7-clang"]
-LINUX = ["aarch64-linux", "armhf-linux", "riscv64-linux"]
-HOSTS = [f"host-{compiler}-{level}" for compiler in ("gcc", "clang") for level in ("O0", "O2", "O3")]
-ORDER = BOARDS + LINUX + HOSTS
+from page_tables import BOARDS, images_of, renew, table
+
 NEEDED = BOARDS[:1]
 
 FOOTPRINT = """# Footprint
@@ -28,52 +26,27 @@ one alone.
 
 ## Images
 
-| target | image | flash | RAM | filter | map | vision | tracker | input frame | stack | painted |
-| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
 """
+IMAGE_COLUMNS = ["target", "image", "flash:", "RAM:", "filter:", "map:", "vision:", "tracker:", "input frame:",
+                 "stack:", "painted:"]
 TARGETS = """# Targets that were compared with the host
 
 Written by `scripts/firmware.sh`. For each target: the port's self-test, one hash per module of the core
 (`exercise`), and for each replayed frame one hash over pose, covariance, landmarks and counters and one
-over the picture with the virtual objects drawn into it. All compared with the host's, `g++ -O3`.
-The inputs are recorded anew by each run (`tests/target/inputs.json`); `measured at` is the commit that
-was compared, `unit tests` those of `scripts/firmware.sh --all`: test programs, gates and faults, with
-their own commit where it is another.
+over the picture with the virtual objects drawn into it. All compared with the host's, `g++ -O3`: a replay
+program's column says how many frames of its [inputs](#inputs) are equal, and which inputs differ. `tiny`,
+`large`: [configurations](footprint.md). `measured at` is the commit that was compared, `unit tests` those of
+`scripts/firmware.sh --all`: test programs, gates and faults, with their own commit where it is another.
 
 """
+INPUTS = """
+## Inputs
 
+`tests/target/inputs.json`, recorded anew by each run. Those of stress scenes each drive one part of a frame
+to its dearest ([what they are](command-line.md#stress-scenes)).
 
-def keep_rows(earlier, text, measured):
-    """`text` with the rows of targets that were not measured as `earlier`, the page of before, has them: in tables
-    of the same heading, whose first column is the target."""
-    kept = {}
-    heading = None
-    for line in earlier.splitlines():
-        if not line.startswith("|"):
-            heading = None
-        elif line.startswith("| target |"):
-            heading = line
-        elif target_of(line) in ORDER and target_of(line) not in measured:
-            kept.setdefault(heading, []).append(line)
-    out, rows, heading = [], [], None
-    for line in [*text.splitlines(), ""]:
-        if heading is not None and target_of(line) in ORDER:
-            rows.append(line)
-            continue
-        if rows and not line.startswith("|"):
-            out += sorted(rows + kept.get(heading, []), key=lambda row: ORDER.index(target_of(row)))
-            rows = []
-        heading = line if line.startswith("| target |") else heading if line.startswith("|") else None
-        out.append(line)
-    return "\n".join(out[:-1]) + "\n"
-
-
-def target_of(line):
-    return line.split("|")[1].strip() if line.startswith("|") else None
-
-
-def renew(page, text, measured):
-    page.write_text(keep_rows(page.read_text() if page.exists() else "", text, measured))
+"""
+REPLAYS = ["vehicle", "handheld", "vehicle_tiny", "handheld_tiny", "vehicle_large", "handheld_large"]
 
 
 def compiler_of(root, target):
@@ -88,62 +61,56 @@ def compiler_of(root, target):
     return f"{kind} {version} {' '.join(kept)}"
 
 
-def images_of(results):
-    for target, entries in results.items():
-        for image, entry in entries.items():
-            if isinstance(entry, dict) and "ram_bytes" in entry:
-                yield target, image, entry
-
-
 def flash_rows(results):
     """Flash by part of the core."""
     rows = ["", "## Flash by part", "", "By the source that a function or table came from; code that was inlined counts "
             "where it ended up. `math`: elementary functions, camera, Eigen's kernels; `rest`: port, replay program, "
             "compiler's library, and tables without a source line.", ""]
-    names = None
-    for target, image, entry in images_of(results):
-        if "flash_parts" not in entry:
-            continue
-        if names is None:
-            names = list(entry["flash_parts"])
-            rows += ["| target | image | " + " | ".join(names) + " |", "| --- | --- |" + " ---: |" * len(names)]
-        rows.append(f"| {target} | {image} | " + " | ".join(str(entry["flash_parts"][name]) for name in names) + " |")
-    return rows if names else []
+    parted = [(target, image, entry["flash_parts"]) for target, image, entry in images_of(results)
+              if "flash_parts" in entry]
+    if not parted:
+        return []
+    names = list(parted[0][2])
+    return rows + table(["target", "image", *(f"{name}:" for name in names)],
+                        [[target, image, *(parts[name] for name in names)] for target, image, parts in parted])
 
 
 def budget_rows(budgets):
     """Targets that share an image's budget share its row."""
-    rows = ["", "## Budgets of CI, bytes", "", "| image | flash | RAM | stack | targets |",
-            "| --- | ---: | ---: | ---: | --- |"]
     sharing = {}
     for target, images in budgets.items():
         for image, budget in images.items():
             sharing.setdefault((image, budget["flash_bytes"], budget["ram_bytes"], budget["stack_bytes"]),
                                []).append(target)
-    return rows + [f"| {' | '.join(map(str, row))} | {', '.join(names)} |" for row, names in sharing.items()]
+    return ["", "## Budgets of CI, bytes", "",
+            *table(["image", "flash:", "RAM:", "stack:", "targets"],
+                   [[*row, ", ".join(names)] for row, names in sharing.items()])]
+
+
+def image_rows(results):
+    for target, image, entry in images_of(results):
+        if "flash_bytes" in entry:
+            ram = entry["ram_bytes"]
+            yield [target, image, entry["flash_bytes"], ram["total"], ram["filter"], ram["map"], ram["vision"],
+                   ram["tracker"], entry["frame_buffer_bytes"], entry["stack_bytes"] or "-",
+                   entry.get("stack_painted_bytes") or "-"]
+
+
+def deepest_rows(results):
+    first = next(iter(results))
+    rows = []
+    for image in ("vehicle", "handheld"):
+        path = results[first].get(image, {}).get("stack_path")
+        if path:
+            steps = [step.split(" ", 1) for step in path]
+            rows += ["", f"## Deepest path of `{image}` on {first}", "",
+                     *table(["frame:", "function"], [[size, f"`{name.replace('|', ' ')}`"] for size, name in steps])]
+    return rows
 
 
 def footprint(root, results):
-    rows = []
-    for target, image, entry in images_of(results):
-        if "flash_bytes" not in entry:
-            continue
-        ram = entry["ram_bytes"]
-        figures = [entry["flash_bytes"], ram["total"], ram["filter"], ram["map"], ram["vision"],
-                   ram["tracker"], entry["frame_buffer_bytes"], entry["stack_bytes"] or "-",
-                   entry.get("stack_painted_bytes") or "-"]
-        rows.append(f"| {target} | {image} | " + " | ".join(map(str, figures)) + " |")
-    rows += flash_rows(results)
-    rows += budget_rows(json.loads((root / "tests/footprint/budget.json").read_text()))
-    first = next(iter(results))
-    for image in ("vehicle", "handheld"):
-        path = results[first].get(image, {}).get("stack_path")
-        if not path:
-            continue
-        rows += ["", f"## Deepest path of `{image}` on {first}", "", "| frame | function |", "| ---: | --- |"]
-        for step in path:
-            size, name = step.split(" ", 1)
-            rows.append(f"| {size} | `{name.replace('|', ' ')}` |")
+    rows = [*table(IMAGE_COLUMNS, image_rows(results)), *flash_rows(results),
+            *budget_rows(json.loads((root / "tests/footprint/budget.json").read_text())), *deepest_rows(results)]
     renew(root / "docs/reference/footprint.md", FOOTPRINT + "\n".join(rows) + "\n", results)
 
 
@@ -155,24 +122,42 @@ def unit_text(entries):
     return f"{units['passed']} of {units['run']}{at}"
 
 
-def targets(root, results):
-    names = []
-    for _, _, entry in images_of(results):
-        names += [name for name in entry["inputs"] if name not in names]
-    rows = ["| target | compiler | measured at | self-test | modules | unit tests | " + " | ".join(names) + " |",
-            "| --- | --- | --- | --- | --- | --- |" + " ---: |" * len(names)]
+def replay_text(entry):
+    """What one replay program's frames came to."""
+    if entry is None:
+        return "-"
+    different = [name for name, outcome in entry["inputs"].items() if not outcome["hash_equal"]]
+    if different:
+        return f"**differs**: {', '.join(different)}"
+    return f"{entry['frames']:,} equal" if entry["inputs"] else "-"
+
+
+def target_rows(results):
     for target, entries in results.items():
-        cells = {}
-        for _, image, entry in images_of({target: entries}):
-            for name, outcome in entry["inputs"].items():
-                text = f"{outcome['frames']} equal" if outcome["hash_equal"] else "**differs**"
-                cells[name] = f"{cells[name]}, {text}" if name in cells else text
-        rows.append(f"| {target} | `{entries['compiler']}` | {entries['revision']} | "
-                    f"{'good' if entries['selftest'] else '**bad**'} | "
-                    f"{str(entries['modules']) + ' equal' if entries['modules_equal'] else '**differ**'} | "
-                    f"{unit_text(entries)} | "
-                    + " | ".join(cells.get(name, "-") for name in names) + " |")
-    renew(root / "docs/reference/targets.md", TARGETS + "\n".join(rows) + "\n", results)
+        yield [target, f"`{entries['compiler']}`", entries["revision"], "good" if entries["selftest"] else "**bad**",
+               f"{entries['modules']} equal" if entries["modules_equal"] else "**differ**", unit_text(entries),
+               *(replay_text(entries.get(image)) for image in REPLAYS)]
+
+
+def input_rows(results, sources):
+    """Each input with its frames and the programs that replay it; `sources`: entries of inputs.json."""
+    frames, programs = {}, {}
+    for _, image, entry in images_of(results):
+        for name, outcome in entry["inputs"].items():
+            frames[name] = outcome["frames"]
+            programs.setdefault(name, {})[image] = None
+    for each in sources:
+        if each["name"] in frames:
+            yield [each["name"], frames[each["name"]], f"`{each['source']}`", ", ".join(programs[each["name"]])]
+
+
+def targets(root, results):
+    sources = json.loads((root / "tests/target/inputs.json").read_text())["inputs"]
+    columns = ["target", "compiler", "measured at", "self-test", "modules", "unit tests",
+               *(image.replace("_", " ") + ":" for image in REPLAYS)]
+    text = (TARGETS + "\n".join(table(columns, target_rows(results))) + "\n" + INPUTS
+            + "\n".join(table(["input", "frames:", "source", "replayed by"], input_rows(results, sources))) + "\n")
+    renew(root / "docs/reference/targets.md", text, results)
 
 
 def write(root, results):

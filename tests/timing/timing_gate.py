@@ -10,7 +10,8 @@ import pathlib
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-sys.path.insert(0, str(ROOT / "tests/target"))
+for folder in ("tests/footprint", "tests/target"):
+    sys.path.insert(0, str(ROOT / folder))
 import frame_timing  # noqa: E402
 import inputs  # noqa: E402
 import timing_page  # noqa: E402

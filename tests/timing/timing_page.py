@@ -1,4 +1,6 @@
 """Writes docs/reference/timing.md from the results of frame_timing.py."""
+import frame_timing
+from page_tables import renew, table
 
 HEADING = """# Timing of a frame on the boards
 
@@ -15,7 +17,8 @@ dearest ([what they are](command-line.md#stress-scenes)).
   issue, latencies; each block drained at its end). Caches, flash wait states, bus contention and
   mispredicted branches are not in the model: expect 30 to 50 % either way on silicon. Not calibrated on
   a board.
-- measured at: the commit. Runs without `--timing` leave these tables as they were.
+- measured at: the commit. Runs without `--timing` leave these tables as they were, and runs with it the rows
+  of boards that the build folder has not timed.
 
 The paper's desktop PC takes 41.57 ms a frame; that is 19.95 M cycles at 480 MHz and 24.94 M at 600 MHz.
 """
@@ -31,6 +34,7 @@ instructions than this table says. Renew it with `tests/timing/timing_gate.py --
 GATE_TARGET = "cortex-m7"
 GATE_INPUTS = {"hall", "hall-handheld", "seven-scenes", "map-in-view-vehicle", "lost-full-library-vehicle",
                "bred-vehicle", "noise-handheld", "scene-cut-handheld"}
+STAGES = [stage for stage in frame_timing.STAGES if stage != "frame"]
 BEGIN, END = "<!-- gate -->", "<!-- end of gate -->"
 
 
@@ -38,73 +42,87 @@ def thousands(value):
     return f"{value:,}" if value is not None else "-"
 
 
-def tables(results):
+def timed_images(results):
+    """(target, image, entry) of every image that was timed."""
+    for target, entries in results.items():
+        for image, entry in entries.items():
+            if isinstance(entry, dict) and "timing" in entry:
+                yield target, image, entry
+
+
+def timings_of(results):
+    """(target, image, input, timing)"""
+    for target, image, entry in timed_images(results):
+        for name, timing in entry["timing"].items():
+            yield target, image, name, timing
+
+
+def milliseconds(timing, what):
+    """At 480 and 600 MHz."""
+    keys = [f"{what}_ms_{mhz}mhz" for mhz in (480, 600)]
+    return " / ".join(f"{timing[key]:.2f}" for key in keys) if keys[0] in timing else "-"
+
+
+def frames(results):
     rows = []
-    for target, entries in results.items():
-        for image, entry in entries.items():
-            for name, timing in (entry.get("timing", {}) if isinstance(entry, dict) else {}).items():
-                rows += ["", f"## {target}, `{image}`, {name} ({timing['set']})", "",
-                         "| stage | worst | p99 | median | worst/median | hybrid bound |",
-                         "| --- | ---: | ---: | ---: | ---: | ---: |"]
-                for stage, row in timing["instructions"].items():
-                    rows.append(f"| {stage.replace('_', ' ')} | {thousands(row['worst'])} | "
-                                f"{thousands(row['p99'])} | {thousands(row['median'])} | "
-                                f"{row['worst_over_median'] or '-'} | {thousands(row['hybrid_bound'])} |")
-                if "modelled_ms_480mhz" in timing:
-                    cycles = timing["modelled_cycles"]
-                    rows += ["", "| modelled | cycles | 480 MHz | 600 MHz |", "| --- | ---: | ---: | ---: |"]
-                    for what, key in (("worst", "modelled"), ("hybrid", "modelled_hybrid")):
-                        rows.append(f"| {what} | {thousands(cycles[what][1])} | {timing[key + '_ms_480mhz']} ms"
-                                    f" | {timing[key + '_ms_600mhz']} ms |")
-    return rows
+    for target, image, name, timing in timings_of(results):
+        frame = timing["instructions"]["frame"]
+        ratio = frame["worst_over_median"]
+        rows.append([target, image, name, timing["set"], thousands(frame["worst"]), thousands(frame["p99"]),
+                     thousands(frame["median"]), f"{ratio:.2f}" if ratio else "-", thousands(frame["hybrid_bound"]),
+                     milliseconds(timing, "modelled"), milliseconds(timing, "modelled_hybrid")])
+    return ["", "## Frames", "", "Whole frames of each input, in instructions; modelled in ms at 480 / 600 MHz.", "",
+            *table(["target", "image", "input", "set", "worst:", "p99:", "median:", "worst/median:", "hybrid bound:",
+                    "modelled worst:", "modelled hybrid:"], rows)]
 
 
-def summary(results):
-    """The dearest of all inputs, by image."""
-    rows = ["", "## Dearest", "", "Over all inputs of an image. Budget: 20 M instructions (goal 12 M), hybrid bound 24 M, "
+def stages(results):
+    rows = []
+    for target, image, name, timing in timings_of(results):
+        counts = timing["instructions"]
+        rows.append([target, image, name, *(f"{thousands(counts[stage]['worst'])} / {thousands(counts[stage]['median'])}"
+                                            if stage in counts else "-" for stage in STAGES)])
+    return ["", "## Stages", "", "Instructions of each stage, worst / median of an input's frames. The worst of two stages "
+            "need not fall in one frame.", "",
+            *table(["target", "image", "input", *(f"{stage.replace('_', ' ')}:" for stage in STAGES)], rows)]
+
+
+def dearest(results):
+    rows = []
+    for target, image, entry in timed_images(results):
+        timings = entry["timing"]
+        of_frame = {name: timing["instructions"]["frame"] for name, timing in timings.items()}
+        worst = max(of_frame, key=lambda name: of_frame[name]["worst"])
+        shares = [timing["instructions_per_unit"] for timing in timings.values() if timing.get("instructions_per_unit")]
+        rows.append([target, results[target].get("timing_revision", results[target]["revision"]), image, len(timings),
+                     thousands(of_frame[worst]["worst"]), worst, max(shares, default="-"),
+                     thousands(max(frame["hybrid_bound"] for frame in of_frame.values())),
+                     f"{max(frame['worst_over_median'] or 0 for frame in of_frame.values()):.2f}",
+                     dearest_ms(timings, "modelled"), dearest_ms(timings, "modelled_hybrid")])
+    return ["", "## Dearest", "", "Over all inputs of an image. Budget: 20 M instructions (goal 12 M), hybrid bound 24 M, "
             "41.57 ms at 600 MHz, worst/median 2.5. Share of units: the largest share of what a frame's "
-            "[units of work](../explanation/frame-work.md) stand for that it took, drawing apart.", "",
-            "| target | measured at | image | inputs | worst frame | of input | share of units | hybrid bound | "
-            "worst/median | modelled worst, 480 / 600 MHz | modelled hybrid, 600 MHz |",
-            "| --- | --- | --- | ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: |"]
-    for target, entries in results.items():
-        for image, entry in entries.items():
-            timings = entry.get("timing", {}) if isinstance(entry, dict) else {}
-            if not timings:
-                continue
-            frames = {name: timing["instructions"]["frame"] for name, timing in timings.items()}
-            worst = max(frames, key=lambda name: frames[name]["worst"])
+            "[units of work](../explanation/frame-work.md) stand for that it took, drawing apart; a unit is 1,000 "
+            "instructions of the Cortex-M7. Modelled in ms at 480 / 600 MHz.", "",
+            *table(["target", "measured at", "image", "inputs:", "worst frame:", "of input", "share of units:",
+                    "hybrid bound:", "worst/median:", "modelled worst:", "modelled hybrid:"], rows)]
 
-            def largest(key):
-                values = [timing[key] for timing in timings.values() if key in timing]
-                return f"{max(values)} ms" if values else "-"
 
-            shares = [timing["instructions_per_unit"] for timing in timings.values()
-                      if timing.get("instructions_per_unit")]
-            rows.append(f"| {target} | {entries.get('timing_revision', entries['revision'])} | {image} | "
-                        f"{len(frames)} | {thousands(frames[worst]['worst'])} | {worst} | "
-                        f"{max(shares) if shares else '-'} | "
-                        f"{thousands(max(f['hybrid_bound'] for f in frames.values()))} | "
-                        f"{max(f['worst_over_median'] or 0 for f in frames.values()):.2f} | "
-                        f"{largest('modelled_ms_480mhz')} / {largest('modelled_ms_600mhz')} | "
-                        f"{largest('modelled_hybrid_ms_600mhz')} |")
-    return rows
+def dearest_ms(timings, what):
+    modelled = [timing for timing in timings.values() if f"{what}_ms_600mhz" in timing]
+    return milliseconds(max(modelled, key=lambda timing: timing[f"{what}_ms_600mhz"], default={}), what)
 
 
 def never_run(results):
-    rows = ["", "## Never run", "", "Instructions of the core that no frame of an image's inputs ran: refusals, "
-            "rare branches, and what these inputs do not provoke. The bounds above say nothing about them.", "",
-            "| target | image | instructions of the core | never run | blocks | largest |",
-            "| --- | --- | ---: | ---: | ---: | --- |"]
-    for target, entries in results.items():
-        for image, entry in entries.items():
-            if not isinstance(entry, dict) or "coverage" not in entry:
-                continue
+    rows = []
+    for target, image, entry in timed_images(results):
+        if "coverage" in entry:
             report = entry["coverage"]
-            largest = ", ".join(f"`{short(f['name'])}` {f['instructions']}" for f in report["functions"][:5])
-            rows.append(f"| {target} | {image} | {thousands(report['instructions'])} | "
-                        f"{thousands(report['uncovered_instructions'])} | {report['uncovered_blocks']} | {largest} |")
-    return rows
+            largest = ", ".join(f"`{short(each['name'])}` {each['instructions']}" for each in report["functions"][:5])
+            rows.append([target, image, thousands(report["instructions"]), thousands(report["uncovered_instructions"]),
+                         report["uncovered_blocks"], largest])
+    return ["", "## Never run", "", "Instructions of the core that no frame of an image's inputs ran: refusals, "
+            "rare branches, and what these inputs do not provoke. The bounds above say nothing about them.", "",
+            *table(["target", "image", "instructions of the core:", "never run:", "blocks:", "largest"], rows)]
 
 
 def short(name):
@@ -120,8 +138,8 @@ def short(name):
 
 def gate_text(rows):
     """`rows`: (target, image, input, instructions of the worst frame)."""
-    lines = ["| target | image | input | worst frame |", "| --- | --- | --- | ---: |"]
-    lines += [f"| {target} | {image} | {name} | {worst:,} |" for target, image, name, worst in rows]
+    lines = table(["target", "image", "input", "worst frame:"],
+                  [[target, image, name, f"{worst:,}"] for target, image, name, worst in rows])
     return f"{BEGIN}\n" + "\n".join(lines) + f"\n{END}\n"
 
 
@@ -141,11 +159,9 @@ def replace_gate(page, rows):
 
 
 def write(root, results):
-    page = root / "docs/reference/timing.md"
-    gate = []
-    for target, entries in results.items():
-        for image, entry in entries.items():
-            for name, timing in (entry.get("timing", {}) if isinstance(entry, dict) else {}).items():
-                if target == GATE_TARGET and name in GATE_INPUTS and not image.endswith("_large"):
-                    gate.append((target, image, name, timing["instructions"]["frame"]["worst"]))
-    page.write_text(HEADING + GATE + gate_text(gate) + "\n".join(summary(results) + tables(results) + never_run(results)) + "\n")
+    """`results` of the targets that were timed, as frame_timing.measure left them."""
+    gate = [(target, image, name, timing["instructions"]["frame"]["worst"])
+            for target, image, name, timing in timings_of(results)
+            if target == GATE_TARGET and name in GATE_INPUTS and not image.endswith("_large")]
+    parts = [*dearest(results), *frames(results), *stages(results), *never_run(results)]
+    renew(root / "docs/reference/timing.md", HEADING + GATE + gate_text(gate) + "\n".join(parts) + "\n", results)
