@@ -30,13 +30,13 @@ class PlaceLookUp {
   };
 
   void reset() {
-    looked_near_ = image_wanted_ = captured_ = false;
+    looked_near_ = image_wanted_ = false;
     end();
   }
   /// The place is known again.
   void end() {
     places_.reset();
-    found_ = false;
+    captured_ = found_ = false;
     looks_ = 0;
     unrecognised_ = 0;
   }

@@ -5,6 +5,7 @@
 #include "cairn/geometry/pose_ransac.hpp"
 #include "cairn/map/library_matcher.hpp"
 #include "cairn/map/visibility.hpp"
+#include "cairn/numeric/packed_symmetric.hpp"
 #include "cairn/tracking/appearance.hpp"
 #include "cairn/tracking/planar_pose_search.hpp"
 #include "cairn/tracking/work_budget.hpp"

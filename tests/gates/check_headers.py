@@ -1,0 +1,44 @@
+#!/usr/bin/env python3
+"""Compiles each public header of core and port by itself: whoever includes one needs no other before it.
+
+usage: check_headers.py ROOT EIGEN COMPILER
+"""
+import os
+import pathlib
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+
+
+def public_headers(root):
+    for part in ("core", "port"):
+        include = root / part / "include"
+        for path in sorted(include.rglob("*.h*")):
+            if "detail" not in path.parts:
+                yield path.relative_to(include).as_posix()
+
+
+def fault(command, header):
+    """The first error of a file that includes `header` alone, or None."""
+    done = subprocess.run(command, input=f'#include "{header}"\n', capture_output=True, text=True)
+    if done.returncode == 0:
+        return None
+    return next((line for line in done.stderr.splitlines() if "error" in line), done.stderr[:200])
+
+
+def main():
+    root, eigen, compiler = pathlib.Path(sys.argv[1]), sys.argv[2], sys.argv[3]
+    command = [compiler, "-std=c++17", "-fsyntax-only", "-x", "c++", "-isystem", eigen,
+               "-I", str(root / "core/include"), "-I", str(root / "port/include"), "-"]
+    headers = list(public_headers(root))
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        faults = list(pool.map(lambda header: fault(command, header), headers))
+    for header, text in zip(headers, faults):
+        if text is not None:
+            print(f"{header} does not compile alone: {text}")
+    print(f"{len(headers)} headers")
+    return 1 if any(faults) or not headers else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
