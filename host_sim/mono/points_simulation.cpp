@@ -1,8 +1,6 @@
 #include "host_sim/mono/points_simulation.hpp"
 
-#include <chrono>
 #include <cmath>
-#include <memory>
 #include <set>
 
 #include <Eigen/Dense>
@@ -11,7 +9,7 @@
 #include "cairn/mono/mono_ekf.hpp"
 
 #include "host_sim/mono/points_world.hpp"
-#include "host_sim/mono/turntable_score.hpp"
+#include "host_sim/mono/turntable_run.hpp"
 
 namespace cairn::host {
 namespace {
@@ -19,56 +17,28 @@ namespace {
 constexpr int kMaxFeatures = 40;
 constexpr int kMaxAnchors = 10;
 
-/// Filter, world and truth of one run.
+/// A filter in a world of points.
 template <class Filter>
-class PointsRun {
-  using T = typename Filter::Scalar;
+class PointsRun : public TurntableRun<Filter> {
+  using Run = TurntableRun<Filter>;
+  using T = typename Run::T;
 
  public:
   PointsRun(const PointsScenario& scenario, const MonoParameters<T>& parameters)
-      : scenario_(scenario),
-        world_(scenario),
-        poses_(turntable_poses(scenario.motion)),
-        filter_(std::make_unique<Filter>()),
-        random_(scenario.seed * 77U + 5U) {
-    if (!ok(filter_->initialise(believed_camera<T>(scenario), parameters))) {
-      throw std::invalid_argument("points simulation: impossible filter parameters");
-    }
-  }
+      : Run(scenario, parameters), world_(scenario), poses_(turntable_poses(scenario.motion)) {}
 
-  PointsResult run() {
-    const T dt = static_cast<T>(1.0 / scenario_.motion.fps);
-    for (std::size_t k = 0; k < poses_.size() && !result_.lost; ++k) {
-      PointsFrame frame;
-      frame.t_s = static_cast<double>(k) / scenario_.motion.fps;
-      if (k > 0) {
-        timed([&] { (void)filter_->predict(dt); });
-        search(poses_[k]);
-        timed([&] { update(frame); });
-      }
-      timed([&] { (void)filter_->prune(FeaturePolicy{}, 1); });
-      add_features(poses_[k]);
-      compare_with_truth(*filter_, poses_.front(), poses_[k], frame, result_);
-      result_.frames.push_back(frame);
-    }
-    summarise_run(*filter_, scenario_.focal_px, used_, result_);
-    return result_;
-  }
+  PointsResult run() { return Run::run(poses_); }
 
  private:
-  template <class Work>
-  void timed(Work&& work) {
-    const auto begin = std::chrono::steady_clock::now();
-    work();
-    const auto end = std::chrono::steady_clock::now();
-    result_.mean_filter_us += std::chrono::duration<double, std::micro>(end - begin).count();
-  }
+  using Run::filter_;
+  using Run::matches_;
+  using Run::scenario_;
+  using Run::timed;
 
   /// Matches inside the 99 % ellipses: true ones, wrong ones, and now and then one of a point that
   /// is hidden.
-  void search(const TurntablePose& pose) {
-    matches_.clear();
-    wrong_.clear();
+  void search(std::size_t k) override {
+    const TurntablePose& pose = poses_[k];
     timed([&] {
       predictions_.clear();
       for (int slot = 0; slot < filter_->feature_count(); ++slot) {
@@ -98,28 +68,12 @@ class PointsRun {
       match.slot = p.slot;
       match.pixel = pixel.cast<T>();
       matches_.push_back(match);
-      wrong_.push_back(wrong || !visible);
     }
-  }
-
-  void update(PointsFrame& frame) {
-    UpdateReport report;
-    const Status status =
-        filter_->update(matches_.data(), static_cast<int>(matches_.size()), random_, report);
-    if (!ok(status)) ++result_.no_consensus;
-    result_.mean_hypotheses += report.hypotheses;
-    frame.inliers = report.low_innovation + report.high_innovation;
-    frame.nis = report.nis;
-    frame.nis_dof = report.nis_dof;
-    for (std::size_t i = 0; i < matches_.size(); ++i) {
-      if (matches_[i].inlier) ++used_;
-      if (matches_[i].inlier && wrong_[i]) result_.wrong_inliers += 1.0;
-    }
-    measured_ = frame.inliers;
   }
 
   /// Births in empty parts of the image until the wanted number is measured.
-  void add_features(const TurntablePose& pose) {
+  void add_features(std::size_t k) override {
+    const TurntablePose& pose = poses_[k];
     constexpr double kHalfWidth = 22.0;
     constexpr double kHalfHeight = 18.0;
     std::set<int> used;
@@ -134,7 +88,7 @@ class PointsRun {
     const auto inside = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
       return std::abs(a.x() - b.x()) < kHalfWidth && std::abs(a.y() - b.y()) < kHalfHeight;
     };
-    int wanted = scenario_.wanted_features - measured_;
+    int wanted = Run::wanted();
     for (int attempt = 0; attempt < 60 && wanted > 0; ++attempt) {
       const double y = 30.0 + world_.uniform() * (scenario_.height - 60);
       const Eigen::Vector2d box(30.0 + world_.uniform() * (scenario_.width - 60), y);
@@ -164,17 +118,9 @@ class PointsRun {
     }
   }
 
-  PointsScenario scenario_;
   PointsWorld world_;
   std::vector<TurntablePose> poses_;
-  std::unique_ptr<Filter> filter_;
-  Random random_;
   std::vector<PixelPrediction<T>> predictions_;
-  std::vector<PixelMatch<T>> matches_;
-  std::vector<bool> wrong_;
-  int measured_ = 0;
-  int used_ = 0;
-  PointsResult result_;
 };
 
 }  // namespace

@@ -54,7 +54,6 @@ struct PointsResult {
   double focal_factor = 1.0;
   double mean_hypotheses = 0.0;
   double mean_features = 0.0;
-  double wrong_inliers = 0.0;     ///< outliers used, share of the measurements used
   double mean_filter_us = 0.0;    ///< predict, search regions, update and map, wall clock
   double final_distance_m = 0.0;  ///< of the estimated camera position from its start
   /// Estimated displacement along the true one, relative to it; negative is the mirrored solution.

@@ -1,12 +1,9 @@
 #include "host_sim/mono/rendered_turntable.hpp"
 
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <map>
-#include <memory>
 #include <mutex>
-#include <stdexcept>
 #include <thread>
 #include <tuple>
 
@@ -19,7 +16,7 @@
 #include "cairn/tracking/feature_supply.hpp"
 
 #include "host_sim/mono/turntable_room.hpp"
-#include "host_sim/mono/turntable_score.hpp"
+#include "host_sim/mono/turntable_run.hpp"
 #include "host_sim/world/gaussian.hpp"
 
 namespace cairn::host {
@@ -30,54 +27,34 @@ constexpr int kMaxAnchors = 10;
 constexpr double kUsualOutlierShare = 0.05;
 constexpr int kPatchMargin = 14;  // px; FREAK needs more
 
-/// One filter on one video.
+/// A filter on a video.
 template <class Filter>
-class VideoRun {
+class VideoRun : public TurntableRun<Filter> {
+  using Run = TurntableRun<Filter>;
+
  public:
+  /// `video` outlives the run.
   VideoRun(const PointsScenario& scenario, const MonoParameters<float>& parameters,
-           Measurement measurement)
-      : scenario_(scenario),
+           Measurement measurement, const std::vector<cv::Mat>& video)
+      : Run(scenario, parameters),
         measurement_(measurement),
-        filter_(std::make_unique<Filter>()),
-        random_(scenario.seed * 77U + 5U),
+        video_(video),
         outliers_(scenario.seed) {
-    if (!ok(filter_->initialise(believed_camera<float>(scenario), parameters))) {
-      throw std::invalid_argument("rendered turntable: impossible filter parameters");
-    }
     if (measurement == Measurement::kPatch) supply_parameters_.margin_px = kPatchMargin;
   }
 
-  PointsResult run(const std::vector<cv::Mat>& video, const std::vector<TurntablePose>& poses) {
-    for (std::size_t k = 0; k < video.size() && !result_.lost; ++k) {
-      const ImageView image{video[k].data, video[k].cols, video[k].rows,
-                            static_cast<int>(video[k].step)};
-      PointsFrame frame;
-      frame.t_s = static_cast<double>(k) / scenario_.motion.fps;
-      if (k > 0) {
-        timed([&] { (void)filter_->predict(static_cast<float>(1.0 / scenario_.motion.fps)); });
-        search(image);
-        timed([&] { update(frame); });
-      }
-      timed([&] { (void)filter_->prune(FeaturePolicy{}, 1); });
-      add_features(image);
-      compare_with_truth(*filter_, poses.front(), poses[k], frame, result_);
-      result_.frames.push_back(frame);
-    }
-    summarise_run(*filter_, scenario_.focal_px, used_, result_);
-    return result_;
-  }
-
  private:
-  template <class Work>
-  void timed(Work&& work) {
-    const auto begin = std::chrono::steady_clock::now();
-    work();
-    const auto end = std::chrono::steady_clock::now();
-    result_.mean_filter_us += std::chrono::duration<double, std::micro>(end - begin).count();
+  using Run::filter_;
+  using Run::matches_;
+  using Run::scenario_;
+
+  ImageView image_of(std::size_t k) const {
+    const cv::Mat& image = video_[k];
+    return {image.data, image.cols, image.rows, static_cast<int>(image.step)};
   }
 
-  void search(const ImageView& image) {
-    matches_.clear();
+  void search(std::size_t k) override {
+    const ImageView image = image_of(k);
     for (int slot = 0; slot < filter_->feature_count(); ++slot) {
       PixelPrediction<float> prediction;
       if (!ok(filter_->predict_feature(slot, prediction))) continue;
@@ -115,20 +92,8 @@ class VideoRun {
         search_landmark(image, prediction, appearance, warp, {}, search_scratch_, pixel, report));
   }
 
-  void update(PointsFrame& frame) {
-    UpdateReport report;
-    const Status status =
-        filter_->update(matches_.data(), static_cast<int>(matches_.size()), random_, report);
-    if (!ok(status)) ++result_.no_consensus;
-    result_.mean_hypotheses += report.hypotheses;
-    frame.inliers = report.low_innovation + report.high_innovation;
-    frame.nis = static_cast<double>(report.nis);
-    frame.nis_dof = report.nis_dof;
-    used_ += frame.inliers;
-    measured_ = frame.inliers;
-  }
-
-  void add_features(const ImageView& image) {
+  void add_features(std::size_t k) override {
+    const ImageView image = image_of(k);
     supply_.begin(image.width, image.height);
     for (int slot = 0; slot < filter_->feature_count(); ++slot) {
       PixelPrediction<float> prediction;
@@ -136,7 +101,7 @@ class VideoRun {
         supply_.occupy(prediction.pixel.x(), prediction.pixel.y());
       }
     }
-    const int wanted = scenario_.wanted_features - measured_;
+    const int wanted = Run::wanted();
     if (wanted <= 0) return;
     Corner corners[Supply::kCells];
     Supply::Report report;
@@ -162,21 +127,15 @@ class VideoRun {
 
   using Supply = FeatureSupply<640>;
 
-  PointsScenario scenario_;
   Measurement measurement_;
-  std::unique_ptr<Filter> filter_;
-  Random random_;
+  const std::vector<cv::Mat>& video_;
   GaussianRandom outliers_;
   std::map<LandmarkId, Appearance> appearances_;
   LandmarkId next_id_ = 1;
-  std::vector<PixelMatch<float>> matches_;
   Supply supply_;
   Supply::Parameters supply_parameters_;
   Supply::Scratch supply_scratch_;
   SearchScratch search_scratch_;
-  int measured_ = 0;
-  int used_ = 0;
-  PointsResult result_;
 };
 
 struct Video {
@@ -204,14 +163,15 @@ struct Job {
     return {scenario.motion.lever_m.norm() > 0.0, scenario.noise_px > 0.75, scenario.seed};
   }
   PointsResult result(const Video& video, Measurement measurement) const {
-    if (variant.bank) {
-      return VideoRun<MonoBank<float, kMaxFeatures, kMaxAnchors>>(scenario, variant.parameters,
-                                                                  measurement)
-          .run(video.images, video.poses);
-    }
-    return VideoRun<MonoEkf<float, kMaxFeatures, kMaxAnchors>>(scenario, variant.parameters,
-                                                               measurement)
-        .run(video.images, video.poses);
+    return variant.bank ? result_of<MonoBank<float, kMaxFeatures, kMaxAnchors>>(video, measurement)
+                        : result_of<MonoEkf<float, kMaxFeatures, kMaxAnchors>>(video, measurement);
+  }
+
+ private:
+  template <class Filter>
+  PointsResult result_of(const Video& video, Measurement measurement) const {
+    return VideoRun<Filter>(scenario, variant.parameters, measurement, video.images)
+        .run(video.poses);
   }
 };
 

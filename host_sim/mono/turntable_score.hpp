@@ -38,9 +38,9 @@ void compare_with_truth(const Filter& filter, const TurntablePose& first, const 
   if (truth.norm() > 0.01) result.displacement_ratio = moved.dot(truth) / truth.squaredNorm();
 }
 
-/// The figures of a finished run from its frames. `used` is the number of measurements used.
+/// The figures of a finished run from its frames.
 template <class Filter>
-void summarise_run(const Filter& filter, double focal_px, int used, PointsResult& r) {
+void summarise_run(const Filter& filter, double focal_px, PointsResult& r) {
   const auto n = static_cast<double>(r.frames.size());
   double nis = 0.0;
   double dof = 0.0;
@@ -62,7 +62,6 @@ void summarise_run(const Filter& filter, double focal_px, int used, PointsResult
   r.mean_hypotheses /= n;
   r.mean_features /= n;
   r.mean_filter_us /= n;
-  r.wrong_inliers /= std::max(1, used);
 }
 
 /// Camera as the scenario's filter believes it to be.
