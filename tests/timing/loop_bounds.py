@@ -6,7 +6,8 @@ usage: loop_bounds.py PROGRAM PROFILE [--page PAGE]
 PROGRAM: loop_count of the preset host-loops; PROFILE: what it wrote, with the largest count of each
 piece of the code in any one frame. Fails where a loop ran more often than its bound allows for as
 often as it was reached, where a stage's function was called more often than its count, or where
-loop_rules.py gives no bound.
+loop_rules.py gives no bound. With --page the profile is of all inputs, and it fails too where one of them does not
+drive what it is there for.
 """
 import argparse
 import json
@@ -29,6 +30,8 @@ STAGES = [
     ("detect_fast", "vision/", "40 + 12 + kMaxCandidates", "searches, cells, candidates"),
     ("describe_freak", "vision/", "40 * kMaxCorners + 16 + kMaxCandidates * kMaxCorners", "corners described"),
 ]
+# What an input is there to drive: (file, head of the loop, least count of its body in a frame, input).
+PURPOSES = [("map/library_matcher", "next_slot_ < library.size()", 100, "lost-full-library-vehicle")]
 PAGE = """# Bounds of every loop
 
 Written by `tests/timing/loop_bounds.py` (`scripts/firmware.sh --loops`): every loop of the core that a frame
@@ -114,6 +117,16 @@ def check_loops(counts, values):
     return rows, faults, unreached
 
 
+def check_purposes(rows):
+    """`rows` of check_loops() over all inputs: faults where an input no longer does what it is there for."""
+    faults = []
+    for file, head, least, name in PURPOSES:
+        most = max((body for loop, _, _, _, body in rows if file in loop.file and head in loop.head), default=0)
+        if most < least:
+            faults.append(f"{name}: {file}: ({head}) ran {most} times in a frame, {least} wanted: mend the input")
+    return faults
+
+
 def check_stages(counts, values):
     rows, faults = [], []
     for name, file, bound, why in STAGES:
@@ -158,6 +171,8 @@ def main():
     rows, faults, unreached = check_loops(counts, values)
     stages, stage_faults = check_stages(counts, values)
     faults += stage_faults
+    if args.page:
+        faults += check_purposes(rows)
     for fault in faults:
         print(fault)
     print(f"{len(rows)} loops reached, {len(faults)} faults")
