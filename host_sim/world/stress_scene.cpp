@@ -171,6 +171,9 @@ const std::vector<NamedStressScene>& named_stress_scenes() {
       {"crowded-full-library",
        "density=70 step_mm=120 attack=4 attack_from=400 attack_seed=7 frames=440",
        "a full library, and then a place too full of corners to be looked for in it"},
+      {"lost-small-library",
+       "density=25 contrast=120 step_mm=30 attack=4 attack_from=200 attack_seed=7 frames=320",
+       "a library of a few dozen landmarks looked through for a place that it does not hold"},
       {"bred-vehicle",
        "seed=268363 frames=46 density=39 contrast=92 along=1 step_mm=40 depth_mm=3019 "
        "turn_after=60 period_us=43943 noise=3 attack=1 attack_size=16 attack_seed=336178 "
