@@ -45,7 +45,7 @@ if [ ${#targets[@]} -eq 0 ]; then
   [ $all = no ] || targets+=("${hosts[@]}")
 fi
 
-scripts/setup.sh qemu-user googletest \
+scripts/setup.sh qemu-user googletest libclang-rt-14-dev \
   g++-aarch64-linux-gnu g++-arm-linux-gnueabihf g++-riscv64-linux-gnu
 
 programs=(port_selftest exercise footprint replay_vehicle replay_handheld replay_vehicle_tiny

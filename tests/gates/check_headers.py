@@ -23,7 +23,8 @@ def fault(command, header):
     done = subprocess.run(command, input=f'#include "{header}"\n', capture_output=True, text=True)
     if done.returncode == 0:
         return None
-    return next((line for line in done.stderr.splitlines() if "error" in line), done.stderr[:200])
+    return next((line for line in done.stderr.splitlines() if "error" in line),
+                f"status {done.returncode}")
 
 
 def main():
