@@ -2,9 +2,9 @@
 
 #include <fmt/core.h>
 
-#include "cairn/numeric/health.hpp"
-#include "cairn/runtime/config.hpp"
-#include "cairn/runtime/frame_report.hpp"
+#include "cairn/base/config.hpp"
+#include "cairn/base/health.hpp"
+#include "cairn/tracking/frame_report.hpp"
 #include "cairn/vision/freak.hpp"
 
 #include "host_sim/run/build_info.hpp"

@@ -5,9 +5,9 @@
 
 #include <Eigen/Dense>
 
-#include "cairn/mono/mono_bank.hpp"
 #include "cairn/mono/mono_ekf.hpp"
 
+#include "host_sim/mono/mono_bank.hpp"
 #include "host_sim/mono/points_world.hpp"
 #include "host_sim/mono/turntable_run.hpp"
 

@@ -9,12 +9,12 @@
 
 #include <opencv2/core.hpp>
 
-#include "cairn/mono/mono_bank.hpp"
 #include "cairn/mono/mono_ekf.hpp"
-#include "cairn/mono/patch_search.hpp"
 #include "cairn/tracking/active_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
+#include "cairn/tracking/patch_search.hpp"
 
+#include "host_sim/mono/mono_bank.hpp"
 #include "host_sim/mono/turntable_room.hpp"
 #include "host_sim/mono/turntable_run.hpp"
 #include "host_sim/world/gaussian.hpp"

@@ -4,9 +4,9 @@
 
 #include <opencv2/core.hpp>
 
+#include "cairn/ar/virtual_object.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
-#include "cairn/tracking/virtual_object.hpp"
 
 namespace cairn::host {
 

@@ -3,7 +3,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "cairn/runtime/ticks.hpp"
+#include "cairn/base/ticks.hpp"
 
 namespace cairn::host {
 

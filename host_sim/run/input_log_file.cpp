@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "cairn/ar/augmenter.hpp"
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/planar/lifted_iekf_slam.hpp"
-#include "cairn/runtime/augmenter.hpp"
 #include "cairn/runtime/replay.hpp"
 
 #include "host_sim/io/input_error.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cairn/runtime/ticks.hpp"
+#include "cairn/base/ticks.hpp"
 
 extern "C" {
 /// Bounds of a frame and of its stages, found by name by a profiler.

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cairn/runtime/frame_report.hpp"
-#include "cairn/runtime/ticks.hpp"
+#include "cairn/base/ticks.hpp"
+#include "cairn/tracking/frame_report.hpp"
 
 namespace cairn::host {
 

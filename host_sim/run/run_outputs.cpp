@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/os.h>
 
-#include "cairn/numeric/hash.hpp"
+#include "cairn/base/hash.hpp"
 
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/pose_file.hpp"

@@ -14,7 +14,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "cairn/numeric/hash.hpp"
+#include "cairn/base/hash.hpp"
 #include "cairn/runtime/replay.hpp"
 
 #include "host_sim/render/shaded_object.hpp"

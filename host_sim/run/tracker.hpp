@@ -9,11 +9,11 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "cairn/geometry/observation.hpp"
+#include "cairn/ar/augmenter.hpp"
+#include "cairn/base/health.hpp"
+#include "cairn/estimation/observation.hpp"
 #include "cairn/geometry/rigid.hpp"
-#include "cairn/numeric/health.hpp"
-#include "cairn/runtime/augmenter.hpp"
-#include "cairn/runtime/frame_report.hpp"
+#include "cairn/tracking/frame_report.hpp"
 
 #include "host_sim/run/handheld_options.hpp"
 #include "host_sim/sources/frame_source.hpp"

@@ -10,7 +10,7 @@
 
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
-#include "cairn/runtime/frame_report.hpp"
+#include "cairn/tracking/frame_report.hpp"
 
 namespace cairn::host {
 

@@ -34,12 +34,12 @@ def sections(size_tool, image):
 
 # Which part of the core a symbol's source belongs to; what lies elsewhere (port, replay, libraries) is "rest".
 PARTS = [
-    ("filter", r"core/(include/cairn|src)/(planar|mono)/|packed_symmetric|one_point_ransac"),
+    ("filter", r"core/(include/cairn|src)/(planar|mono|estimation)/|packed_symmetric"),
     ("map", r"core/(include/cairn|src)/map/|tracking/(candidate|landmark)"),
-    ("vision", r"core/(include/cairn|src)/vision/|tracking/(feature_supply|active_search|appearance)"),
-    ("drawing", r"tracking/(registration|virtual_object|line_drawing|anchor)|runtime/augmenter"),
+    ("vision", r"core/(include/cairn|src)/vision/|tracking/(feature_supply|active_search|appearance|patch_search)"),
+    ("drawing", r"core/(include/cairn|src)/ar/"),
     ("tracker", r"core/(include/cairn|src)/(tracking|runtime)/"),
-    ("math", r"core/(include/cairn|src)/(numeric|geometry)/|eigen3/"),
+    ("math", r"core/(include/cairn|src)/(base|numeric|geometry)/|eigen3/"),
 ]
 
 

@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cairn/base/config.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/runtime/config.hpp"
 #include "cairn/runtime/handheld_tracker.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cairn/numeric/hash.hpp"
+#include "cairn/base/hash.hpp"
 
 #include "host_sim/sources/hall_source.hpp"
 #include "host_sim/world/drive.hpp"

@@ -2,8 +2,8 @@
 
 #include <random>
 
+#include "cairn/base/config.hpp"
 #include "cairn/map/library.hpp"
-#include "cairn/runtime/config.hpp"
 
 namespace cairn::test {
 

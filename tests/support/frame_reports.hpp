@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "cairn/runtime/frame_report.hpp"
+#include "cairn/tracking/frame_report.hpp"
 
 namespace cairn::test {
 

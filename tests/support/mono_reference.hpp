@@ -7,8 +7,8 @@
 
 #include <Eigen/Dense>
 
+#include "cairn/estimation/observation.hpp"
 #include "cairn/geometry/camera.hpp"
-#include "cairn/geometry/observation.hpp"
 #include "cairn/mono/parameters.hpp"
 
 #include "dual.hpp"

@@ -5,10 +5,10 @@
 #include <random>
 #include <vector>
 
+#include "cairn/base/hash.hpp"
+#include "cairn/estimation/observation.hpp"
 #include "cairn/geometry/camera.hpp"
-#include "cairn/geometry/observation.hpp"
 #include "cairn/geometry/rigid.hpp"
-#include "cairn/numeric/hash.hpp"
 #include "cairn/numeric/random.hpp"
 
 namespace cairn::test {

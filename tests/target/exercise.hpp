@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
+#include "cairn/base/hash.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/pose_ransac.hpp"
-#include "cairn/numeric/hash.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/random.hpp"
 #include "cairn/planar/ekf_slam.hpp"

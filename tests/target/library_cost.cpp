@@ -6,13 +6,13 @@
 
 #include <cstdint>
 
+#include "cairn/base/config.hpp"
+#include "cairn/base/health.hpp"
 #include "cairn/map/library.hpp"
 #include "cairn/map/library_matcher.hpp"
 #include "cairn/map/visibility.hpp"
-#include "cairn/numeric/health.hpp"
 #include "cairn/numeric/random.hpp"
 #include "cairn/port/port.h"
-#include "cairn/runtime/config.hpp"
 
 #include "text.hpp"
 

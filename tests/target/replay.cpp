@@ -12,12 +12,12 @@
 
 #include <cstdint>
 
-#include "cairn/numeric/fixed_vector.hpp"
+#include "cairn/ar/augmenter.hpp"
+#include "cairn/base/config.hpp"
+#include "cairn/base/fixed_vector.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/port/files.h"
 #include "cairn/port/port.h"
-#include "cairn/runtime/augmenter.hpp"
-#include "cairn/runtime/config.hpp"
 
 #include "text.hpp"
 

@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
+#include "cairn/ar/augmenter.hpp"
+#include "cairn/base/config.hpp"
 #include "cairn/numeric/random.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/runtime/augmenter.hpp"
-#include "cairn/runtime/config.hpp"
 #include "cairn/runtime/replay.hpp"
 
 #include "host_sim/world/stress_scene.hpp"

@@ -17,7 +17,7 @@ CONSTANTS = {
     "kWindow": "2 * 24 + 1",                                 # SearchParameters::kMaxHalfWindow
     "kMaxPixels": "kMaxLandmarks",                           # matches of one frame
     "kMaxParts": "8", "kMaxVertices": "18", "kMaxFaces": "14", "kMaxEdges": "30", "kLensPieces": "6",
-    "kMaxObjects": "8", "kMaxSamples": "128", "kMaxAnchorPoints": "64", "kMaxOccupied": "192",
+    "kMaxObjects": "8", "kMaxSamples": "128", "kMaxPlanePoints": "64", "kMaxOccupied": "192",
     "kCells": "48", "kCornersPerCell": "6", "kMaxCorners": "8", "kPatchSide": "11", "kMaxHypotheses": "64",
     "kMatrixStates": "max(kMonoStates, kVehicleStates)",     # PackedSymmetric serves both
     "kMaxNear": "48", "kPlaceSamples": "24", "kMessages": "8", "kVisible": "48", "kPlaceCorners": "144",
@@ -38,9 +38,9 @@ RULES = [
     (r"map/library_matcher", r".*", "kPlaceCorners"),
     (r"map/visibility", r".*exclude.*", "kMaxLandmarks"),
     (r"map/", r".*", "kVisible"),
-    (r"numeric/one_point_ransac", r".*needed.*", "kMaxHypotheses"),
-    (r"numeric/one_point_ransac", r".*", "kMaxPixels"),
-    (r"numeric/fixed_vector", r".*", "kMaxOccupied"),
+    (r"estimation/one_point_ransac", r".*needed.*", "kMaxHypotheses"),
+    (r"estimation/one_point_ransac", r".*", "kMaxPixels"),
+    (r"base/fixed_vector", r".*", "kMaxOccupied"),
     (r"mono/detail/sparse_rows", r".*rows\.size.*|.*size\[run\].*", "kMonoStates"),
     (r"mono/detail/sparse_rows", r".*(run_count|runs|other).*", "4"),
     (r"mono/detail/sparse_rows", r".*", "kMonoStates"),
@@ -58,8 +58,8 @@ RULES = [
     (r"planar/detail/planar_(filter|pixels|update)", r".*< n.*", "kVehicleStates"),
     (r"planar/detail/planar_(filter|pixels|update)", r".*", "2 * kMaxLandmarks"),
     (r"planar/", r".*", "kVehicleStates"),
-    (r"runtime/augmenter", r".*", "kMaxObjects"),
-    (r"runtime/reentry_rule", r".*", "32"),
+    (r"ar/augmenter", r".*", "kMaxObjects"),
+    (r"tracking/reentry_rule", r".*", "32"),
     (r"runtime/detail/handheld", r".*places_.*", "kPlaceSteps"),
     (r"runtime/detail/", r".*promotions.*", "4"),
     (r"runtime/detail/", r".*found.*", "kCells"),
@@ -79,16 +79,16 @@ RULES = [
     (r"tracking/relocaliser", r".*fast.*|.*best\[k.*", "kCornersPerCell"),
     (r"tracking/relocaliser", r".*", "kCells"),
     (r"tracking/active_search", r".*", "kMaxCorners"),
-    (r"tracking/anchor", r".*samples.*", "kMaxSamples"),
-    (r"tracking/anchor", r".*", "kMaxAnchorPoints"),
-    (r"tracking/line_drawing", r".*", "kMaxImageWidth"),
-    (r"tracking/registration", r".*faces.*|.*planes.*", "kMaxFaces"),
-    (r"tracking/registration", r".*vertices.*", "kMaxVertices"),
-    (r"tracking/registration", r".*edges\.size|.*part\.edges.*", "kMaxEdges"),
-    (r"tracking/registration", r".*parts.*", "kMaxParts"),
-    (r"tracking/registration", r".*piece.*", "kLensPieces * kMaxParts"),
-    (r"tracking/registration", r".*", "kMaxOccupied"),
-    (r"tracking/virtual_object", r".*", "kMaxVertices"),
+    (r"ar/plane_fit", r".*samples.*", "kMaxSamples"),
+    (r"ar/plane_fit", r".*", "kMaxPlanePoints"),
+    (r"ar/line_drawing", r".*", "kMaxImageWidth"),
+    (r"ar/object_drawing", r".*faces.*|.*planes.*", "kMaxFaces"),
+    (r"ar/object_drawing", r".*vertices.*", "kMaxVertices"),
+    (r"ar/object_drawing", r".*edges\.size|.*part\.edges.*", "kMaxEdges"),
+    (r"ar/object_drawing", r".*parts.*", "kMaxParts"),
+    (r"ar/object_drawing", r".*piece.*", "kLensPieces * kMaxParts"),
+    (r"ar/object_drawing", r".*", "kMaxOccupied"),
+    (r"ar/virtual_object", r".*", "kMaxVertices"),
     (r"vision/corner_sink", r".*child.*", "8"),
     (r"vision/corner_sink", r".*", "kCells"),
     (r"vision/fast_detector", r".*rect\.y0.*", "kCellHeight + 2"),
@@ -108,7 +108,7 @@ RULES = [
 
 def capacities(root):
     """DefaultConfig's."""
-    text = (root / "core/include/cairn/runtime/config.hpp").read_text().split("struct DefaultConfig", 1)[1]
+    text = (root / "core/include/cairn/base/config.hpp").read_text().split("struct DefaultConfig", 1)[1]
     body = text.split("};", 1)[0]
     return {name: int(value) for name, value in re.findall(r"constexpr int (k\w+) = (\d+);", body)}
 

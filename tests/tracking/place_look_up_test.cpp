@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cairn/runtime/config.hpp"
+#include "cairn/base/config.hpp"
 
 namespace cairn {
 namespace {

@@ -1,9 +1,9 @@
 // Instantiates the planar filters once inside the core, so that its rules (warnings as errors, no
 // double in float code, no heap) hold for their templates too.
+#include "cairn/base/config.hpp"
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/planar/lifted_iekf_slam.hpp"
-#include "cairn/runtime/config.hpp"
 
 namespace cairn {
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/os.h>
 
-#include "cairn/numeric/hash.hpp"
+#include "cairn/base/hash.hpp"
 #include "cairn/numeric/math.hpp"
 
 #include "host_sim/run/build_info.hpp"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "cairn/geometry/observation.hpp"
-#include "cairn/numeric/health.hpp"
+#include "cairn/base/health.hpp"
+#include "cairn/estimation/observation.hpp"
 #include "cairn/planar/increment.hpp"
 #include "cairn/planar/types.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "cairn/base/status.hpp"
 #include "cairn/geometry/types.hpp"
-#include "cairn/numeric/status.hpp"
 
 namespace cairn {
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "cairn/base/status.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/geometry/types.hpp"
-#include "cairn/numeric/status.hpp"
 
 namespace cairn {
 

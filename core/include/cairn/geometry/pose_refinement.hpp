@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
+#include "cairn/base/status.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/geometry/types.hpp"
 #include "cairn/numeric/math.hpp"
-#include "cairn/numeric/status.hpp"
 
 namespace cairn {
 

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "cairn/numeric/status.hpp"
+#include "cairn/base/status.hpp"
 
 namespace cairn {
 

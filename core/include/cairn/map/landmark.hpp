@@ -2,11 +2,11 @@
 
 #include <cstdint>
 
+#include "cairn/base/status.hpp"
+#include "cairn/estimation/observation.hpp"
 #include "cairn/geometry/camera.hpp"
-#include "cairn/geometry/observation.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/numeric/math.hpp"
-#include "cairn/numeric/status.hpp"
 #include "cairn/vision/freak.hpp"
 
 namespace cairn {

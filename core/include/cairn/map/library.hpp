@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
+#include "cairn/base/config.hpp"
+#include "cairn/base/fixed_vector.hpp"
+#include "cairn/base/health.hpp"
 #include "cairn/map/landmark.hpp"
-#include "cairn/numeric/fixed_vector.hpp"
-#include "cairn/numeric/health.hpp"
-#include "cairn/runtime/config.hpp"
 
 namespace cairn {
 

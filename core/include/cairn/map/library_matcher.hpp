@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
+#include "cairn/base/fixed_vector.hpp"
 #include "cairn/geometry/pose_refinement.hpp"
 #include "cairn/map/library.hpp"
-#include "cairn/numeric/fixed_vector.hpp"
 #include "cairn/vision/hamming.hpp"
 
 namespace cairn {

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "cairn/base/status.hpp"
 #include "cairn/map/library.hpp"
-#include "cairn/numeric/status.hpp"
 
 namespace cairn {
 

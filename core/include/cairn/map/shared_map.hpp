@@ -1,8 +1,8 @@
 #pragma once
 
+#include "cairn/base/spsc_ring.hpp"
 #include "cairn/map/exchange.hpp"
 #include "cairn/map/library.hpp"
-#include "cairn/numeric/spsc_ring.hpp"
 
 namespace cairn {
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "cairn/base/fixed_vector.hpp"
 #include "cairn/map/library.hpp"
-#include "cairn/numeric/fixed_vector.hpp"
 
 namespace cairn {
 

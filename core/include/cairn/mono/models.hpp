@@ -1,8 +1,8 @@
 #pragma once
 
+#include "cairn/base/status.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/types.hpp"
-#include "cairn/numeric/status.hpp"
 
 /// The functions of the monocular filter and their Jacobians, free of any state layout, so that
 /// each can be tested against automatic differentiation (tests/mono/mono_jacobian_test.cpp).

@@ -2,17 +2,17 @@
 
 #include <cstdint>
 
+#include "cairn/base/hash.hpp"
+#include "cairn/base/health.hpp"
+#include "cairn/base/status.hpp"
+#include "cairn/estimation/observation.hpp"
 #include "cairn/geometry/camera.hpp"
-#include "cairn/geometry/observation.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/mono/detail/sparse_rows.hpp"
 #include "cairn/mono/models.hpp"
 #include "cairn/mono/parameters.hpp"
-#include "cairn/numeric/hash.hpp"
-#include "cairn/numeric/health.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
 #include "cairn/numeric/random.hpp"
-#include "cairn/numeric/status.hpp"
 
 namespace cairn {
 

@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
+#include "cairn/base/status.hpp"
+#include "cairn/estimation/one_point_ransac.hpp"
 #include "cairn/geometry/types.hpp"
 #include "cairn/numeric/math.hpp"
-#include "cairn/numeric/one_point_ransac.hpp"
-#include "cairn/numeric/status.hpp"
 
 namespace cairn {
 

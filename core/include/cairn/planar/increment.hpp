@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "cairn/base/status.hpp"
 #include "cairn/geometry/types.hpp"
-#include "cairn/numeric/status.hpp"
 
 namespace cairn {
 

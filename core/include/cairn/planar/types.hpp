@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "cairn/geometry/observation.hpp"
+#include "cairn/estimation/observation.hpp"
+#include "cairn/estimation/one_point_ransac.hpp"
 #include "cairn/geometry/types.hpp"
-#include "cairn/numeric/one_point_ransac.hpp"
 
 namespace cairn {
 

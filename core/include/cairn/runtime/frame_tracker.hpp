@@ -3,26 +3,26 @@
 #include <cstdint>
 #include <new>
 
+#include "cairn/ar/augmenter.hpp"
+#include "cairn/base/config.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/base/health.hpp"
 #include "cairn/map/shared_map.hpp"
 #include "cairn/map/visibility.hpp"
-#include "cairn/numeric/hash.hpp"
-#include "cairn/numeric/health.hpp"
 #include "cairn/numeric/random.hpp"
 #include "cairn/planar/types.hpp"
-#include "cairn/runtime/augmenter.hpp"
-#include "cairn/runtime/config.hpp"
-#include "cairn/runtime/frame_report.hpp"
-#include "cairn/runtime/frame_work.hpp"
-#include "cairn/runtime/odometry_integrator.hpp"
-#include "cairn/runtime/reentry_rule.hpp"
-#include "cairn/runtime/tracking_evidence.hpp"
 #include "cairn/tracking/candidate_pool.hpp"
 #include "cairn/tracking/expected_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
+#include "cairn/tracking/frame_report.hpp"
+#include "cairn/tracking/frame_work.hpp"
 #include "cairn/tracking/landmark_search.hpp"
 #include "cairn/tracking/map_frame.hpp"
+#include "cairn/tracking/odometry_integrator.hpp"
 #include "cairn/tracking/place_look_up.hpp"
 #include "cairn/tracking/planar_pose_search.hpp"
+#include "cairn/tracking/reentry_rule.hpp"
+#include "cairn/tracking/tracking_evidence.hpp"
 
 namespace cairn {
 

@@ -3,19 +3,19 @@
 #include <cstdint>
 #include <new>
 
+#include "cairn/ar/augmenter.hpp"
+#include "cairn/ar/plane_fit.hpp"
+#include "cairn/base/config.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/base/health.hpp"
 #include "cairn/map/map_file.hpp"
 #include "cairn/map/visibility.hpp"
 #include "cairn/mono/mono_ekf.hpp"
-#include "cairn/numeric/hash.hpp"
-#include "cairn/numeric/health.hpp"
 #include "cairn/numeric/random.hpp"
-#include "cairn/runtime/augmenter.hpp"
-#include "cairn/runtime/config.hpp"
-#include "cairn/runtime/frame_report.hpp"
-#include "cairn/runtime/frame_work.hpp"
-#include "cairn/tracking/anchor.hpp"
 #include "cairn/tracking/expected_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
+#include "cairn/tracking/frame_report.hpp"
+#include "cairn/tracking/frame_work.hpp"
 #include "cairn/tracking/landmark_search.hpp"
 #include "cairn/tracking/relocaliser.hpp"
 

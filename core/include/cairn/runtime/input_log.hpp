@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
+#include "cairn/base/status.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
-#include "cairn/numeric/status.hpp"
-#include "cairn/runtime/frame_report.hpp"
+#include "cairn/tracking/frame_report.hpp"
 #include "cairn/vision/image.hpp"
 
 namespace cairn {

@@ -2,13 +2,13 @@
 
 #include <cstdint>
 
-#include "cairn/numeric/hash.hpp"
-#include "cairn/numeric/health.hpp"
-#include "cairn/numeric/status.hpp"
-#include "cairn/runtime/frame_report.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/base/health.hpp"
+#include "cairn/base/status.hpp"
 #include "cairn/runtime/handheld_tracker.hpp"
 #include "cairn/runtime/input_log.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
+#include "cairn/tracking/frame_report.hpp"
 
 namespace cairn {
 

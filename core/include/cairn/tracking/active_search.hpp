@@ -2,9 +2,9 @@
 
 #include <cstdint>
 
-#include "cairn/mono/patch_search.hpp"
-#include "cairn/numeric/status.hpp"
+#include "cairn/base/status.hpp"
 #include "cairn/tracking/appearance.hpp"
+#include "cairn/tracking/patch_search.hpp"
 #include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/fast.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "cairn/estimation/observation.hpp"
 #include "cairn/geometry/camera.hpp"
-#include "cairn/geometry/observation.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/vision/freak.hpp"
 #include "cairn/vision/image.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "cairn/base/fixed_vector.hpp"
 #include "cairn/geometry/camera.hpp"
-#include "cairn/numeric/fixed_vector.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/tracking/active_search.hpp"
 #include "cairn/tracking/appearance.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cairn/numeric/fixed_vector.hpp"
+#include "cairn/base/fixed_vector.hpp"
 #include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/fast.hpp"
 #include "cairn/vision/image.hpp"

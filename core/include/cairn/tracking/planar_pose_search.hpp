@@ -1,9 +1,9 @@
 #pragma once
 
+#include "cairn/base/status.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/geometry/types.hpp"
-#include "cairn/numeric/status.hpp"
 #include "cairn/planar/types.hpp"
 
 namespace cairn {

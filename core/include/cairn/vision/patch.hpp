@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "cairn/numeric/status.hpp"
+#include "cairn/base/status.hpp"
 #include "cairn/vision/image.hpp"
 
 namespace cairn {

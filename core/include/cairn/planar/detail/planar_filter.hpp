@@ -1,8 +1,8 @@
 #pragma once
 
-#include "cairn/numeric/fixed_vector.hpp"
-#include "cairn/numeric/hash.hpp"
-#include "cairn/numeric/health.hpp"
+#include "cairn/base/fixed_vector.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/base/health.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
 #include "cairn/planar/detail/landmark_table.hpp"
 #include "cairn/planar/detail/low_rank.hpp"

@@ -305,7 +305,7 @@ void HandheldTracker<Config>::watch_start(FrameReport& report) {
 template <class Config>
 bool HandheldTracker<Config>::object_place(Rigid<float>& T_world_object) {
   constexpr int kMinPoints = 10;
-  static_assert(kMaxFeatures <= kMaxAnchorPoints, "the plane is fitted to all features");
+  static_assert(kMaxFeatures <= kMaxPlanePoints, "the plane is fitted to all features");
   const Rigid<float> T_world_camera = filter_.T_world_camera();
   const Rigid<float> T_camera_world = T_world_camera.inverse();
   FixedVector<Vector3<float>, kMaxFeatures> points;

@@ -1,0 +1,88 @@
+#pragma once
+
+#include "cairn/ar/object_drawing.hpp"
+#include "cairn/ar/virtual_object.hpp"
+#include "cairn/base/fixed_vector.hpp"
+#include "cairn/geometry/camera.hpp"
+
+namespace cairn {
+
+/// The virtual objects of a scene: fixed places in the map, drawn into frames (paper A, step 2.5).
+/// One shape, up to kMaxObjects places.
+class Augmenter {
+ public:
+  static constexpr int kMaxObjects = 8;
+
+  struct Parameters {
+    float height_m = 1.0F;
+    int frames_without_object = 45;  ///< none in view for so long: a new one is placed
+    DrawStyle style;
+  };
+
+  /// Starts with no object. kInvalidArgument for a height that is not positive.
+  Status initialise(const Parameters& parameters) {
+    const Status status = make_cairn(parameters.height_m, shape_);
+    if (!ok(status)) return status;
+    parameters_ = parameters;
+    places_.clear();
+    frames_without_ = parameters.frames_without_object;
+    return Status::kOk;
+  }
+
+  /// Puts an object at a place in the map. kFull.
+  Status place(const Rigid<float>& T_world_object) {
+    if (!places_.push_back(T_world_object)) return Status::kFull;
+    frames_without_ = 0;
+    return Status::kOk;
+  }
+
+  int size() const { return places_.size(); }
+  const VirtualObject& shape() const { return shape_; }
+  const Rigid<float>& operator[](int i) const { return places_[i]; }
+
+  /// No object was drawn for a while and there is room for another: the time to place one.
+  bool wants_object() const {
+    return !places_.full() && frames_without_ >= parameters_.frames_without_object;
+  }
+
+  /// Draws every object that is in view, far ones first; returns how many. Cost: draw_object() for
+  /// each of at most kMaxObjects.
+  int draw(const PinholeCamera<float>& camera, const Rigid<float>& T_world_camera,
+           const MutableImageView& image) {
+    int order[kMaxObjects];
+    sort_far_to_near(T_world_camera, order);
+    int drawn = 0;
+    for (int i = 0; i < places_.size(); ++i) {
+      DrawReport report;
+      if (ok(draw_object(shape_, places_[order[i]], camera, T_world_camera, parameters_.style,
+                         image, report))) {
+        ++drawn;
+      }
+    }
+    frames_without_ = drawn > 0 ? 0 : frames_without_ + 1;
+    return drawn;
+  }
+
+ private:
+  void sort_far_to_near(const Rigid<float>& T_world_camera, int* order) const {
+    float distance[kMaxObjects];
+    for (int i = 0; i < places_.size(); ++i) {
+      const Vector3<float> d = places_[i].translation - T_world_camera.translation;
+      const float squared = d.dot(d);
+      int k = i;
+      for (; k > 0 && distance[k - 1] < squared; --k) {
+        distance[k] = distance[k - 1];
+        order[k] = order[k - 1];
+      }
+      distance[k] = squared;
+      order[k] = i;
+    }
+  }
+
+  VirtualObject shape_;
+  Parameters parameters_;
+  FixedVector<Rigid<float>, kMaxObjects> places_;
+  int frames_without_ = 0;
+};
+
+}  // namespace cairn

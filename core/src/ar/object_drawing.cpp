@@ -1,0 +1,246 @@
+#include "cairn/ar/object_drawing.hpp"
+
+namespace cairn {
+namespace {
+
+/// Part of an edge, by its parameter in [0, 1].
+struct Interval {
+  float begin = 0.0F;
+  float end = 1.0F;
+};
+
+/// What is left of an edge after cutting, in 1/65535 of its length: at most one piece more than
+/// there are parts.
+struct Piece {
+  std::uint16_t begin = 0;
+  std::uint16_t end = 65535;
+};
+using Pieces = FixedVector<Piece, VirtualObject::kMaxParts + 1>;
+
+struct HalfSpace {  // normal . p <= offset
+  Vector3<float> normal;
+  float offset;
+};
+
+/// The shadow of a convex part seen from `eye`: its front faces and the planes of its outline.
+struct Shadow {
+  FixedVector<HalfSpace, ConvexPart::kMaxFaces + ConvexPart::kMaxVertices> planes;
+};
+
+using FaceFlags = bool[ConvexPart::kMaxFaces];
+
+int mark_front_faces(const ConvexPart& part, const Vector3<float>& eye, FaceFlags& front) {
+  int count = 0;
+  for (int f = 0; f < part.faces.size(); ++f) {
+    front[f] = part.faces[f].normal.dot(eye) > part.faces[f].offset;
+    count += front[f] ? 1 : 0;
+  }
+  return count;
+}
+
+/// False when the eye is inside the part: it has no outline then and hides nothing.
+bool cast_shadow(const ConvexPart& part, const Vector3<float>& eye, Shadow& shadow) {
+  FaceFlags front = {};
+  if (mark_front_faces(part, eye, front) == 0) return false;
+  shadow.planes.clear();
+  Vector3<float> centre = Vector3<float>::Zero();
+  for (const Vector3<float>& v : part.vertices) centre += v;
+  centre /= static_cast<float>(part.vertices.size());
+  for (int f = 0; f < part.faces.size(); ++f) {
+    if (front[f]) shadow.planes.push_back({part.faces[f].normal, part.faces[f].offset});
+  }
+  for (const ConvexPart::Edge& edge : part.edges) {
+    if (front[edge.face_left] == front[edge.face_right]) continue;
+    const Vector3<float> a = part.vertices[edge.a] - eye;
+    const Vector3<float> b = part.vertices[edge.b] - eye;
+    Vector3<float> normal = a.cross(b);
+    if (normal.dot(Vector3<float>(centre - eye)) > 0.0F) normal = -normal;
+    shadow.planes.push_back({normal, normal.dot(eye)});
+  }
+  return true;
+}
+
+/// The interval of a + t (b - a) inside the shadow, slightly shrunk, so that an edge that touches
+/// the part survives. False when there is none.
+bool inside_shadow(const Shadow& shadow, const Vector3<float>& a, const Vector3<float>& b,
+                   Interval& hidden) {
+  constexpr float kTouch = 1e-3F;
+  hidden = Interval();
+  for (const HalfSpace& plane : shadow.planes) {
+    const float scale = sqrt(plane.normal.squaredNorm());
+    const float limit = -kTouch * scale * sqrt((b - a).squaredNorm());
+    const float at_a = plane.normal.dot(a) - plane.offset - limit;
+    const float at_b = plane.normal.dot(b) - plane.offset - limit;
+    if (at_a > 0.0F && at_b > 0.0F) return false;
+    if (at_a <= 0.0F && at_b <= 0.0F) continue;
+    const float t = at_a / (at_a - at_b);
+    if (at_a > 0.0F) {
+      if (t > hidden.begin) hidden.begin = t;
+    } else if (t < hidden.end) {
+      hidden.end = t;
+    }
+  }
+  return hidden.end > hidden.begin;
+}
+
+std::uint16_t to_share(float t) {
+  return static_cast<std::uint16_t>(clamp(round_to_int(t * 65535.0F), 0, 65535));
+}
+float from_share(std::uint16_t share) {
+  return static_cast<float>(share) / 65535.0F;
+}
+
+void cut(const Interval& interval, Pieces& pieces) {
+  const Piece hidden{to_share(interval.begin), to_share(interval.end)};
+  Pieces kept;
+  for (const Piece& piece : pieces) {
+    if (hidden.end <= piece.begin || hidden.begin >= piece.end) {
+      kept.push_back(piece);
+      continue;
+    }
+    if (hidden.begin > piece.begin) kept.push_back({piece.begin, hidden.begin});
+    if (hidden.end < piece.end) kept.push_back({hidden.end, piece.end});
+  }
+  pieces = kept;
+}
+
+/// Everything that drawing a segment needs.
+struct Canvas {
+  const PinholeCamera<float>& camera;
+  Rigid<float> T_camera_object;
+  const DrawStyle& style;
+  const MutableImageView& image;
+  bool halo;
+  int segments;
+  int pixels;
+  int left_out;
+};
+
+std::int32_t to_q8(float pixel) {
+  return round_to_int(clamp(pixel, -1e6F, 1e6F) * 256.0F);
+}
+
+/// Projects and draws one straight piece; points in the camera frame.
+void draw_piece(Canvas& canvas, const Vector3<float>& a, const Vector3<float>& b) {
+  Vector2<float> from;
+  Vector2<float> to;
+  if (!ok(canvas.camera.project(a, from)) || !ok(canvas.camera.project(b, to))) return;
+  if (canvas.segments >= kMaxSegments || canvas.pixels >= canvas.style.max_pixels) {
+    ++canvas.left_out;
+    return;
+  }
+  const LineQ8 line{to_q8(from.x()), to_q8(from.y()), to_q8(to.x()), to_q8(to.y())};
+  const int width = canvas.halo ? canvas.style.halo_width_q8 : canvas.style.line_width_q8;
+  const std::uint8_t grey = canvas.halo ? canvas.style.halo_grey : canvas.style.line_grey;
+  const int pixels = draw_line(canvas.image, line, width, grey);
+  if (pixels == 0) return;
+  ++canvas.segments;
+  canvas.pixels += pixels;
+}
+
+/// Draws the segment between two points of the object frame, clipped at the near plane.
+void draw_segment(Canvas& canvas, const Vector3<float>& a_object, const Vector3<float>& b_object) {
+  Vector3<float> a = canvas.T_camera_object * a_object;
+  Vector3<float> b = canvas.T_camera_object * b_object;
+  const float near = canvas.style.near_m > PinholeCamera<float>::kMinDepth
+                         ? canvas.style.near_m
+                         : PinholeCamera<float>::kMinDepth;
+  if (a.z() < near && b.z() < near) return;
+  if (a.z() < near || b.z() < near) {
+    const float t = (near - a.z()) / (b.z() - a.z());
+    Vector3<float> crossing = a + t * (b - a);
+    crossing.z() = near;
+    (a.z() < near ? a : b) = crossing;
+  }
+  const int pieces = canvas.camera.has_distortion() ? kLensPieces : 1;
+  for (int k = 0; k < pieces; ++k) {
+    const float t0 = static_cast<float>(k) / static_cast<float>(pieces);
+    const float t1 = static_cast<float>(k + 1) / static_cast<float>(pieces);
+    draw_piece(canvas, Vector3<float>(a + t0 * (b - a)), Vector3<float>(a + t1 * (b - a)));
+  }
+}
+
+struct EdgePieces {
+  Pieces pieces;  // empty: the edge is hidden
+  bool cut = false;
+};
+
+/// What is to be seen of the edges of part `p`.
+void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>& eye,
+                        EdgePieces* edges) {
+  const ConvexPart& part = object.parts[p];
+  FaceFlags front = {};
+  mark_front_faces(part, eye, front);
+  for (int e = 0; e < part.edges.size(); ++e) {
+    const ConvexPart::Edge& edge = part.edges[e];
+    edges[e] = EdgePieces();
+    if (front[edge.face_left] || front[edge.face_right]) edges[e].pieces.push_back(Piece());
+  }
+  for (int q = 0; q < object.parts.size(); ++q) {
+    Shadow shadow;
+    if (q == p || !cast_shadow(object.parts[q], eye, shadow)) continue;
+    for (int e = 0; e < part.edges.size(); ++e) {
+      const ConvexPart::Edge& edge = part.edges[e];
+      Interval hidden;
+      if (edges[e].pieces.empty() ||
+          !inside_shadow(shadow, part.vertices[edge.a], part.vertices[edge.b], hidden)) {
+        continue;
+      }
+      edges[e].cut = true;
+      cut(hidden, edges[e].pieces);
+    }
+  }
+}
+
+/// One pass over the object: halos or lines.
+void draw_pass(const VirtualObject& object, const Vector3<float>& eye, Canvas& canvas,
+               DrawReport& report) {
+  for (int p = 0; p < object.parts.size(); ++p) {
+    EdgePieces edges[ConvexPart::kMaxEdges];
+    find_visible_edges(object, p, eye, edges);
+    const ConvexPart& part = object.parts[p];
+    for (int e = 0; e < part.edges.size(); ++e) {
+      const Vector3<float>& a = part.vertices[part.edges[e].a];
+      const Vector3<float>& b = part.vertices[part.edges[e].b];
+      report.edges += edges[e].pieces.empty() && !edges[e].cut ? 0 : 1;
+      report.cut += edges[e].cut ? 1 : 0;
+      for (const Piece& piece : edges[e].pieces) {
+        draw_segment(canvas, Vector3<float>(a + from_share(piece.begin) * (b - a)),
+                     Vector3<float>(a + from_share(piece.end) * (b - a)));
+      }
+    }
+  }
+}
+
+bool finite_pose(const Rigid<float>& pose) {
+  return is_finite(pose.translation.sum()) && is_finite(pose.rotation.coeffs().sum());
+}
+
+}  // namespace
+
+Status draw_object(const VirtualObject& object, const Rigid<float>& T_world_object,
+                   const PinholeCamera<float>& camera, const Rigid<float>& T_world_camera,
+                   const DrawStyle& style, const MutableImageView& image, DrawReport& report) {
+  if (!ImageView(image).valid() || image.width != camera.width || image.height != camera.height ||
+      !is_finite(style.near_m)) {
+    return Status::kInvalidArgument;
+  }
+  if (!finite_pose(T_world_object) || !finite_pose(T_world_camera)) return Status::kNonFiniteInput;
+  const Rigid<float> T_camera_object = T_world_camera.inverse() * T_world_object;
+  const Vector3<float> eye = T_camera_object.inverse().translation;
+  DrawReport result;
+  for (int pass = style.halo_width_q8 > 0 ? 0 : 1; pass < 2; ++pass) {
+    Canvas canvas{camera, T_camera_object, style, image, pass == 0, 0, 0, 0};
+    DrawReport pass_report;
+    draw_pass(object, eye, canvas, pass_report);
+    result.edges = pass_report.edges;
+    result.cut = pass_report.cut;
+    result.segments += canvas.segments;
+    result.pixels += canvas.pixels;
+    result.left_out += canvas.left_out;
+  }
+  report = result;
+  return result.pixels > 0 ? Status::kOk : Status::kOutOfView;
+}
+
+}  // namespace cairn

@@ -1,0 +1,212 @@
+#include "cairn/tracking/patch_search.hpp"
+
+#include <cstring>
+
+#include "cairn/numeric/math.hpp"
+#include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/vision/detail/patch_rows.hpp"
+#include "cairn/vision/detail/word_dsp.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr int kHalf = 5;
+constexpr int kSide = 2 * kHalf + 1;
+constexpr int kPixels = kSide * kSide;
+constexpr int kMargin = kHalf + 1;
+
+/// The patch as the current view should show it: rows of 11 values and a zero.
+struct Template {
+  static constexpr int kPitch = kSide + 1;
+  std::int16_t values[kSide * kPitch] = {};
+  std::int32_t sum = 0;
+  std::int32_t coarse_sum = 0;  ///< of every second row
+  std::int64_t spread = 0;      ///< kPixels^2 times the variance
+
+  /// Where a row keeps the value of a column: as the board's instructions take bytes apart.
+  static int place(int column) {
+#if defined(__ARM_FEATURE_SIMD32)
+    constexpr int kPlaces[4] = {0, 2, 1, 3};
+    return (column & ~3) + kPlaces[column & 3];
+#else
+    return column;
+#endif
+  }
+};
+
+/// Sums over the pixels under a template.
+struct Sums {
+  std::int32_t sum = 0;
+  std::int32_t squares = 0;
+  std::int32_t product = 0;
+};
+
+/// Value of the patch at (x, y), Q16 from its centre, held at its border.
+std::int32_t patch_value(const Patch& patch, std::int64_t x, std::int64_t y) {
+  constexpr std::int64_t kCentre = Patch::kSize / 2;
+  constexpr std::int64_t kLast = ((Patch::kSize - 1) << 16) - 1;
+  const auto u = static_cast<std::int32_t>(clamp<std::int64_t>(x + (kCentre << 16), 0, kLast));
+  const auto v = static_cast<std::int32_t>(clamp<std::int64_t>(y + (kCentre << 16), 0, kLast));
+  const std::uint8_t* p = patch.pixels + (v >> 16) * Patch::kSize + (u >> 16);
+  const std::int32_t fx = (u >> 8) & 255;
+  const std::int32_t fy = (v >> 8) & 255;
+  const std::int32_t top = p[0] * (256 - fx) + p[1] * fx;
+  const std::int32_t bottom = p[Patch::kSize] * (256 - fx) + p[Patch::kSize + 1] * fx;
+  return (top * (256 - fy) + bottom * fy + 32768) >> 16;
+}
+
+bool make_template(const Patch& patch, const PatchWarp& warp, Template& out) {
+  const std::int64_t determinant = static_cast<std::int64_t>(warp.xx) * warp.yy -
+                                   static_cast<std::int64_t>(warp.xy) * warp.yx;  // Q32
+  if (determinant < (std::int64_t{1} << 29)) return false;
+  const std::int64_t scale = determinant >> 16;
+  const auto inverse = [scale](std::int32_t entry) {
+    return (static_cast<std::int64_t>(entry) * 65536) / scale;
+  };
+  const std::int64_t xx = inverse(warp.yy), xy = inverse(-warp.xy);
+  const std::int64_t yx = inverse(-warp.yx), yy = inverse(warp.xx);
+  out.sum = out.coarse_sum = 0;
+  std::int64_t squares = 0;
+  for (int row = 0; row < kSide; ++row) {
+    const int y = row - kHalf;
+    for (int column = 0; column < kSide; ++column) {
+      const int x = column - kHalf;
+      const std::int32_t value = patch_value(patch, xx * x + xy * y, yx * x + yy * y);
+      out.values[row * Template::kPitch + Template::place(column)] =
+          static_cast<std::int16_t>(value);
+      out.sum += value;
+      if (row % 2 == 0) out.coarse_sum += value;
+      squares += value * value;
+    }
+  }
+  out.spread = kPixels * squares - static_cast<std::int64_t>(out.sum) * out.sum;
+  return out.spread >= 4 * kPixels * kPixels;
+}
+
+#if defined(__ARM_FEATURE_SIMD32)
+
+/// Adds four pixels as two pairs of 16-bit values.
+__attribute__((always_inline)) inline void add_word(std::uint32_t word, const std::int16_t* t,
+                                                    const vision::ByteAdder& add_bytes,
+                                                    Sums& sums) {
+  sums.sum = static_cast<std::int32_t>(add_bytes(word, static_cast<std::uint32_t>(sums.sum)));
+  const vision::Pair even = word & 0x00FF00FFU;
+  const vision::Pair odd = (word >> 8U) & 0x00FF00FFU;
+  sums.squares = vision::add_products(even, even, sums.squares);
+  sums.squares = vision::add_products(odd, odd, sums.squares);
+  sums.product = vision::add_products(even, vision::load_pair(t), sums.product);
+  sums.product = vision::add_products(odd, vision::load_pair(t + 2), sums.product);
+}
+
+/// Adds a row of the image. Written out, because -O2 does not unroll.
+__attribute__((always_inline)) inline void add_row(const std::uint8_t* p, const std::int16_t* t,
+                                                   const vision::ByteAdder& add_bytes, Sums& sums) {
+  static_assert(kSide == 11, "three words, of which the last pixel does not count");
+  std::uint32_t words[3];
+  std::memcpy(words, p, sizeof words);
+  add_word(words[0], t, add_bytes, sums);
+  add_word(words[1], t + 4, add_bytes, sums);
+  add_word(words[2] & 0x00FFFFFFU, t + 8, add_bytes, sums);
+}
+
+#else
+
+inline void add_row(const std::uint8_t* p, const std::int16_t* t, const vision::ByteAdder&,
+                    Sums& sums) {
+  for (int column = 0; column < kSide; ++column) {
+    const std::int32_t v = p[column];
+    sums.sum += v;
+    sums.squares += v * v;
+    sums.product += v * t[column];
+  }
+}
+
+#endif
+
+struct Best {
+  int x = 0;
+  int y = 0;
+  std::int64_t score = 0;
+};
+
+/// Keeps (x, y) if it is better than `best`. Its score is the squared correlation times the
+/// template's spread over every Step-th row, 0 where the correlation is not positive. Domain: the
+/// pixel right of the window is inside the image.
+template <int Step>
+void try_at(const ImageView& image, int x, int y, const Template& t, Best& best) {
+  constexpr std::int32_t kCount = (kSide + Step - 1) / Step * kSide;
+  static_assert(kCount * kCount * 255LL * 255 < INT32_MAX, "spreads fit 32 bits");
+  const std::int32_t template_sum = Step == 1 ? t.sum : t.coarse_sum;
+  const vision::ByteAdder add_bytes;
+  Sums sums;
+  const std::uint8_t* p = image.data + (y - kHalf) * image.stride + x - kHalf;
+  for (int row = 0; row < kSide; row += Step, p += Step * image.stride) {
+    add_row(p, t.values + row * Template::kPitch, add_bytes, sums);
+  }
+  const std::int32_t spread = kCount * sums.squares - sums.sum * sums.sum;
+  const std::int32_t covariance = kCount * sums.product - sums.sum * template_sum;
+  if (spread <= 0 || covariance <= 0) return;
+  // covariance^2 / spread > best.score without a division, which takes longer than all the rest.
+  const std::int64_t squared = static_cast<std::int64_t>(covariance) * covariance;
+  if (squared >= (best.score + 1) * spread) best = {x, y, squared / spread};
+}
+
+}  // namespace
+
+Status search_patch(const ImageView& image, const PixelPrediction<float>& prediction,
+                    const Patch& patch, const PatchWarp& warp,
+                    const PatchSearchParameters& parameters, Vector2<float>& pixel) {
+  const Matrix2<float>& s = prediction.covariance;
+  float i00 = 0.0F;
+  float i01 = 0.0F;
+  float i11 = 0.0F;
+  if (!invert_spd2(s(0, 0), s(0, 1), s(1, 1), i00, i01, i11)) return Status::kSingular;
+  const auto inside = [&](float u, float v) {
+    const float du = u - prediction.pixel.x();
+    const float dv = v - prediction.pixel.y();
+    return du * du * i00 + 2.0F * du * dv * i01 + dv * dv * i11 <= parameters.gate;
+  };
+  Template t;
+  if (!make_template(patch, warp, t)) return Status::kDegenerate;
+
+  constexpr int kLimit = PatchSearchParameters::kMaxHalfWindow;
+  const int half_x = clamp(round_to_int(sqrt(parameters.gate * s(0, 0)) + 0.5F), 2, kLimit);
+  const int half_y = clamp(round_to_int(sqrt(parameters.gate * s(1, 1)) + 0.5F), 2, kLimit);
+  const int u = round_to_int(prediction.pixel.x());
+  const int v = round_to_int(prediction.pixel.y());
+  const auto fits = [&image](int x, int y) {
+    return x >= kMargin && y >= kMargin && x < image.width - kMargin && y < image.height - kMargin;
+  };
+  Best coarse;
+  for (int y = v - half_y; y <= v + half_y; y += 2) {
+    for (int x = u - half_x; x <= u + half_x; x += 2) {
+      if (!inside(static_cast<float>(x), static_cast<float>(y)) || !fits(x, y)) continue;
+      try_at<2>(image, x, y, t, coarse);
+    }
+  }
+  if (coarse.score == 0) return Status::kNotFound;
+  Best best;
+  for (int y = coarse.y - 1; y <= coarse.y + 1; ++y) {
+    for (int x = coarse.x - 1; x <= coarse.x + 1; ++x) {
+      if (!fits(x, y)) continue;
+      try_at<1>(image, x, y, t, best);
+    }
+  }
+  const std::int64_t wanted =
+      static_cast<std::int64_t>(parameters.min_correlation_q10) * parameters.min_correlation_q10;
+  if ((best.score << 20) < wanted * t.spread) return Status::kNotFound;
+
+  int x_q8 = best.x * 256;
+  int y_q8 = best.y * 256;
+  PatchAlignment alignment;
+  if (!ok(align_patch(image, patch, warp, x_q8, y_q8, alignment))) return Status::kNotFound;
+  const Vector2<float> found(static_cast<float>(x_q8) / 256.0F, static_cast<float>(y_q8) / 256.0F);
+  if (!alignment.converged || alignment.correlation < parameters.min_aligned_q10 ||
+      !inside(found.x(), found.y())) {
+    return Status::kNotFound;
+  }
+  pixel = found;
+  return Status::kOk;
+}
+
+}  // namespace cairn

@@ -1,0 +1,84 @@
+#include "cairn/estimation/one_point_ransac.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace cairn {
+namespace {
+
+TEST(HypothesesNeeded, FollowsTheFormulaAndItsLimits) {
+  for (const float share : {0.2F, 0.5F, 0.75F, 0.9F, 0.99F}) {
+    const int want = static_cast<int>(std::ceil(std::log(0.01) / std::log(1.0 - share)));
+    EXPECT_NEAR(hypotheses_needed(0.99F, share, 1000), want,
+                share == 0.99F || share == 0.9F ? 1 : 0);
+  }
+  EXPECT_EQ(hypotheses_needed(0.99F, 1.0F, 16), 1);
+  EXPECT_EQ(hypotheses_needed(0.99F, 0.0F, 16), 16);
+  EXPECT_EQ(hypotheses_needed(0.99F, 0.05F, 16), 16);
+}
+
+/// Candidates 0..good-1 agree with one another, every other one with itself alone.
+struct Clustered {
+  int count;
+  int good;
+  int calls = 0;
+
+  int operator()(int candidate, bool* supporters) {
+    ++calls;
+    int support = 0;
+    for (int i = 0; i < count; ++i) {
+      supporters[i] = candidate < good ? i < good : i == candidate;
+      support += supporters[i] ? 1 : 0;
+    }
+    return support;
+  }
+};
+
+TEST(OnePointRansac, LoopShortensOnceAGoodHypothesisIsFound) {
+  Random random(3);
+  Clustered all_good{20, 20};
+  const auto result = one_point_ransac<32>(20, {}, random, all_good);
+  EXPECT_EQ(all_good.calls, 1);
+  EXPECT_TRUE(result.consensus);
+  EXPECT_EQ(result.support, 20);
+}
+
+TEST(OnePointRansac, FindsTheClusterAmongHalfOutliersInEverySeed) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Random random(seed);
+    Clustered half{24, 12};
+    const auto result = one_point_ransac<24>(24, {}, random, half);
+    EXPECT_TRUE(result.consensus) << seed;
+    EXPECT_LE(half.calls, 16);
+    for (int i = 0; i < 24; ++i) EXPECT_EQ(result.supporters[i], i < 12);
+  }
+}
+
+TEST(OnePointRansac, CandidatesAreDrawnOnceEach) {
+  Random random(9);
+  bool seen[16] = {};
+  auto lonely = [&](int candidate, bool* supporters) {
+    EXPECT_FALSE(seen[candidate]);
+    seen[candidate] = true;
+    supporters[candidate] = true;
+    return 1;
+  };
+  const auto result = one_point_ransac<16>(16, {}, random, lonely);
+  EXPECT_EQ(result.hypotheses, 16);
+  EXPECT_FALSE(result.consensus);
+}
+
+TEST(OnePointRansac, SmallSupportIsNoConsensus) {
+  Random random(1);
+  Clustered four{4, 4};
+  EXPECT_FALSE(one_point_ransac<8>(4, {}, random, four).consensus);
+  Clustered fifth{30, 6};
+  EXPECT_FALSE(one_point_ransac<32>(30, {}, random, fifth).consensus);
+  Clustered none{0, 0};
+  EXPECT_FALSE(one_point_ransac<8>(0, {}, random, none).consensus);
+  EXPECT_EQ(none.calls, 0);
+}
+
+}  // namespace
+}  // namespace cairn

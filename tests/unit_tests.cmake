@@ -1,0 +1,50 @@
+# cairn_test(NAME SOURCES ... [LIBRARIES ...]): a GoogleTest program of the host, run by ctest as NAME.
+# Boards leave it out.
+function(cairn_test name)
+  if(CAIRN_BARE_METAL)
+    return()
+  endif()
+  cmake_parse_arguments(arg "" "" "SOURCES;LIBRARIES" ${ARGN})
+  add_executable(${name} ${arg_SOURCES})
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support)
+  target_link_libraries(${name} PRIVATE cairn::core cairn_warnings GTest::gtest_main ${arg_LIBRARIES})
+  add_test(NAME ${name} COMMAND ${name})
+endfunction()
+
+# cairn_unit_test(NAME SOURCES ... BOARDS SET [INCLUDES ...]): the same program on the host and, over a small
+# stand-in for GoogleTest, on boards. SET says on which:
+#   quick        every board, in every build
+#   all          every board, in builds with CAIRN_ALL_UNIT_TESTS
+#   double       of these, boards with double-precision hardware: much in double, minutes by software
+#   large        of these, boards with 4 MB of memory
+#   cortex-m7    of these, one board: hundreds of frames, minutes under emulation; replays compare the others
+function(cairn_unit_test name)
+  cmake_parse_arguments(arg "" "BOARDS" "SOURCES;INCLUDES" ${ARGN})
+  if(NOT arg_BOARDS MATCHES "^(quick|all|double|large|cortex-m7)$")
+    message(FATAL_ERROR "${name}: BOARDS '${arg_BOARDS}' is none of quick, all, double, large, cortex-m7")
+  endif()
+  if(CAIRN_BARE_METAL)
+    cairn_on_this_board(${arg_BOARDS} wanted)
+    if(NOT wanted)
+      return()
+    endif()
+    cairn_board_test(${name} ${arg_SOURCES})
+  else()
+    cairn_test(${name} SOURCES ${arg_SOURCES})
+  endif()
+  target_include_directories(${name} PRIVATE ${arg_INCLUDES})
+endfunction()
+
+function(cairn_on_this_board set result)
+  set(wanted ${CAIRN_ALL_UNIT_TESTS})
+  if(set STREQUAL quick)
+    set(wanted ON)
+  elseif(set STREQUAL double AND NOT CAIRN_TARGET_HAS_DOUBLE)
+    set(wanted OFF)
+  elseif(set STREQUAL large AND NOT CAIRN_BOARD_RAM_BYTES STREQUAL 4M)
+    set(wanted OFF)
+  elseif(set STREQUAL cortex-m7 AND (NOT CMAKE_SYSTEM_PROCESSOR STREQUAL cortex-m7 OR CAIRN_TARGET_CLANG))
+    set(wanted OFF)
+  endif()
+  set(${result} ${wanted} PARENT_SCOPE)
+endfunction()
