@@ -101,7 +101,7 @@ def dearest(results):
                      dearest_ms(timings, "modelled"), dearest_ms(timings, "modelled_hybrid")])
     return ["", "## Dearest", "", "Over all inputs of an image. Budget: 20 M instructions (goal 12 M), hybrid bound 24 M, "
             "41.57 ms at 600 MHz, worst/median 2.5. Share of units: the largest share of what a frame's "
-            "[units of work](../explanation/frame-work.md) stand for that it took, drawing apart; a unit is 1,000 "
+            "[units of work](../explanation/work-limit.md) stand for that it took, drawing apart; a unit is 1,000 "
             "instructions of the Cortex-M7. Modelled in ms at 480 / 600 MHz.", "",
             *table(["target", "measured at", "image", "inputs:", "worst frame:", "of input", "share of units:",
                     "hybrid bound:", "worst/median:", "modelled worst:", "modelled hybrid:"], rows)]
