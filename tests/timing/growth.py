@@ -92,7 +92,7 @@ def median(values):
 
 
 def active(frames):
-    page = ["| landmarks | frames | matches | features | pose update | frame | dearest frame |",
+    page = ["| landmarks | frames | matches | features | pose update | frame | worst frame |",
             "| ---: | ---: | ---: | ---: | ---: | ---: | ---: |"]
     for size in SIZES:
         near = [f for f in frames if abs(f["at_start"] - size) <= NEAR * size]
@@ -146,7 +146,7 @@ def main():
         page += [f"{mode.capitalize()}, exponent {exponent(pairs):.2f}; from {LARGE[mode]} landmarks on {large:.2f}:", "",
                  *rows, ""]
 
-    page += ["## Corners", "", "The vehicle's default image (in the hand patches are looked for, not corners), worlds of more and "
+    page += ["## Corners", "", "Default image, vehicle mode (hand-held mode searches patches, not corners), in worlds with more and "
              "more marks: medians of the frames with at least 10 searches.", "", "| corners found | features | frame |", "| ---: | ---: | ---: |"]
     corner_pairs = []
     for source in CORNERS:
