@@ -6,8 +6,8 @@
 #
 #   --timing         also instructions per stage and modelled cycles on the M7 and the M4F
 #   --growth         also how a frame's cost grows with its capacities, on the M7
-#   --loops TRIES    also every loop's bound against what it did, in the inputs and in so many bred
-#                    stress scenes, on the host
+#   --loops TRIES    also every loop's bound against its counts, in the inputs and in so many
+#                    evolved stress scenes, on the host
 #   --all            also the host with g++ and clang++ at -O0, -O2 and -O3, and the unit tests on
 #                    every target (long)
 #   --targets LIST   these presets alone, comma-separated; what was measured of the others stays

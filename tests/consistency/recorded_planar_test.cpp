@@ -68,7 +68,7 @@ TEST(LostInTheWoods, GroupFilterMeetsItsFloors) {
 }
 
 /// The stated noise holds no sideways motion: the floors in metres are missed with it, the one
-/// against the EKF is met (docs/reference/recorded-planar-results.md).
+/// against the EKF is met (docs/results/recorded-planar.md).
 TEST(LostInTheWoods, StatedNoiseAloneKeepsTheRatioToTheEkf) {
   const fs::path folder = data_folder("lost_in_the_woods");
   SKIP_WITHOUT(folder);

@@ -14,9 +14,8 @@ Bytes of the replay images: tracker, virtual objects, port and replay program to
 Flash: code, constants and initial values. RAM: static data without stack and input frame; of it
 filter (state and covariance), map (landmarks and candidates) and vision (detector, search, scratch);
 tracker is the object that holds them. Stack: deepest path of the call graph from `main`, and the
-painted high-water mark of the replays. Heap: none ([how that is held](no-heap.md)). Clang
-compiles for size ([why](../how-to/build-firmware.md)) and writes no call graph, so its stack is the painted
-one alone.
+painted high-water mark of the replays. Heap: none ([how that is held](no-heap.md)). Clang compiles for
+size ([why](../results/frame-cost.md#compilers)) and writes no call graph, so its stack is the painted one only.
 
 | image | tracker | configuration |
 | --- | --- | --- |
@@ -33,8 +32,8 @@ TARGETS = """# Targets that were compared with the host
 
 Written by `scripts/firmware.sh`. For each target: the port's self-test, one hash per module of the core
 (`exercise`), and for each replayed frame one hash over pose, covariance, landmarks and counters and one
-over the picture with the virtual objects drawn into it. All compared with the host's, `g++ -O3`: a replay
-program's column says how many frames of its [inputs](#inputs) are equal, and which inputs differ. `tiny`,
+over the picture with the virtual objects drawn into it. All are compared with the host's, `g++ -O3`: a replay
+program's column gives the number of equal frames of its [inputs](#inputs), and the inputs that differ. `tiny`,
 `large`: [configurations](footprint.md). `measured at` is the commit that was compared, `unit tests` those of
 `scripts/firmware.sh --all`: test programs, gates and faults, with their own commit where it is another.
 
@@ -42,8 +41,8 @@ program's column says how many frames of its [inputs](#inputs) are equal, and wh
 INPUTS = """
 ## Inputs
 
-`tests/target/inputs.json`, recorded anew by each run. Those of stress scenes each drive one part of a frame
-to its dearest ([what they are](command-line.md#stress-scenes)).
+`tests/target/inputs.json`, recorded anew by each run. Each stress scene drives one part of a frame towards its
+worst case ([what they are](command-line.md#stress-scenes)).
 
 """
 REPLAYS = ["vehicle", "handheld", "vehicle_tiny", "handheld_tiny", "vehicle_large", "handheld_large"]

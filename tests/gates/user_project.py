@@ -43,7 +43,7 @@ def run(*command):
 
 
 def main():
-    root, nm = pathlib.Path(sys.argv[1]), sys.argv[2]
+    root, nm = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
     blocks = code_blocks(root / "docs/how-to/add-to-your-firmware.md")
     cmake = [block for block in blocks if "add_subdirectory" in block]
     code = [block for block in blocks if "add_subdirectory" not in block]

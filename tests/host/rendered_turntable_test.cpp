@@ -8,7 +8,7 @@
 namespace cairn::host {
 namespace {
 
-/// The aims hold for every condition (docs/reference/turntable-results.md); the run here is the one
+/// The aims hold for every condition (docs/results/turntable.md); the run here is the one
 /// that errs most, with a focal length 5 % too short.
 TEST(RenderedTurntable, SeventyDegreesWithAWrongFocalLength) {
   TurntableConfig config;

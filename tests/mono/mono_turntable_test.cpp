@@ -11,7 +11,7 @@ using host::PointsResult;
 using host::PointsScenario;
 using host::TurntableExperiment;
 
-/// The figures hold for 20 seeds (docs/reference/turntable-results.md); by default the runs here
+/// The figures hold for 20 seeds (docs/results/turntable.md); by default the runs here
 /// take fewer where they are slow. CAIRN_ALL_SEEDS=1 runs them all.
 int seeds(int quick, int all) {
   return std::getenv("CAIRN_ALL_SEEDS") != nullptr ? all : quick;

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Counts every loop in the inputs of 640x480 and in TRIES bred stress scenes, checks the bounds and
+# Counts every loop in the inputs of 640x480 and in TRIES evolved stress scenes, checks the bounds and
 # renews docs/reference/loop-bounds.md. Called by scripts/firmware.sh --loops, which builds first.
 set -euo pipefail
 cd "$(dirname "$0")/../.."

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """How the instructions of a frame grow with active landmarks, image size, corners and the library, on the
-emulated M7, with fitted exponents. Writes docs/reference/timing-growth.md and its picture.
+emulated M7, with fitted exponents. Writes docs/results/timing-growth.md and its picture.
 
 usage: growth.py
 Needs build/host with cairn_sim and build/cortex-m7 with replay_vehicle_large, replay_handheld_large and
@@ -20,7 +20,7 @@ import frame_timing  # noqa: E402
 from targets import Target  # noqa: E402
 
 OUT = ROOT / "build/firmware/growth"
-PAGE = ROOT / "docs/reference/timing-growth.md"
+PAGE = ROOT / "docs/results/timing-growth.md"
 SCALE = 1e9 / (frame_timing.NANOSECONDS_PER_INSTRUCTION * frame_timing.TICKS_PER_SECOND["cortex-m7"])
 COUNTS = ("corners", "searched", "matches", "inliers", "landmarks")
 # The camera passes a plane: the map grows by what comes into view, to the capacity of the large image.
@@ -92,7 +92,7 @@ def median(values):
 
 
 def active(frames):
-    page = ["| landmarks | frames | matches | features | pose update | frame | dearest frame |",
+    page = ["| landmarks | frames | matches | features | pose update | frame | worst frame |",
             "| ---: | ---: | ---: | ---: | ---: | ---: | ---: |"]
     for size in SIZES:
         near = [f for f in frames if abs(f["at_start"] - size) <= NEAR * size]
@@ -146,7 +146,7 @@ def main():
         page += [f"{mode.capitalize()}, exponent {exponent(pairs):.2f}; from {LARGE[mode]} landmarks on {large:.2f}:", "",
                  *rows, ""]
 
-    page += ["## Corners", "", "The vehicle's default image (in the hand patches are looked for, not corners), worlds of more and "
+    page += ["## Corners", "", "Default image, vehicle mode (hand-held mode searches patches, not corners), in worlds with more and "
              "more marks: medians of the frames with at least 10 searches.", "", "| corners found | features | frame |", "| ---: | ---: | ---: |"]
     corner_pairs = []
     for source in CORNERS:

@@ -35,15 +35,15 @@ PURPOSES = [("map/library_matcher", "next_slot_ < library.size()", 100, "lost-fu
 PAGE = """# Bounds of every loop
 
 Written by `tests/timing/loop_bounds.py` (`scripts/firmware.sh --loops`): every loop of the core that a frame
-reached, in the inputs of `tests/target/inputs.json` of 640x480 and in {tries} tries of a search that breeds
-stress scenes for the largest sum of all counts. `bound`: how often the body can run each time that the loop
-is reached, as the capacity or count behind the limit in its head (values of `DefaultConfig` below); a plain
+reached, in the inputs of `tests/target/inputs.json` of 640x480 and in {tries} tries of a search that
+evolves stress scenes towards the largest sum of all counts. `bound`: how often the body can run each time that the
+loop is reached, as the capacity or count behind the limit in its head (values of `DefaultConfig` below); a plain
 number is fixed in the code. `around`: how often the loop around it, or its function, ran at most in one frame;
-`body`: how often its own body did; both of the instance of a template that ran most. The check fails when
-`body` exceeds `around` times the bound, or when a loop has none.
+`body`: how often its own body did; both of the template instance that ran most. The check fails when `body`
+exceeds `around` times the bound, or when a loop has no bound.
 
-What it cannot see: a bound exceeded in one pass and made up for by others of the same frame, since only a
-frame's largest sums are compared. {unreached} loops of the core were reached by no frame: other filters, the map's
+What it cannot see: a bound that is exceeded in one pass and compensated by other passes of the same frame, since
+only a frame's largest sums are compared. {unreached} loops of the core were reached by no frame: other filters, the map's
 files, relocalisation, set-up.
 
 """

@@ -6,18 +6,19 @@ HEADING = """# Timing of a frame on the boards
 
 Written by `scripts/firmware.sh --timing`. Instructions that a whole frame (tracking and drawing) takes on
 the emulated boards: exact, and the same in every run. Inputs: `tests/target/inputs.json`, recorded anew
-by each run; those of the set `worst` are stress scenes, each made to drive one part of a frame to its
-dearest ([what they are](command-line.md#stress-scenes)).
+by each run. Those of the set `worst` are stress scenes; each drives one part of a frame towards its worst
+case ([what they are](command-line.md#stress-scenes)).
 
 - worst, p99, median: over the frames of one input. Stages by the board's timer, to two instructions;
   whole frames by counting every executed instruction.
 - hybrid bound: every block of code at the largest count that any one frame of the input had, all added
-  up. Above any observed frame, but no proof: code that never ran counts nothing (see "Never run").
+  up. It is above every observed frame, but not a proven bound: code that never ran counts nothing (see
+  "Never run").
 - modelled: cycles of the worst frame, and of the hybrid bound, by LLVM's model of the Cortex-M7 (dual
   issue, latencies; each block drained at its end). Caches, flash wait states, bus contention and
   mispredicted branches are not in the model: expect 30 to 50 % either way on silicon. Not calibrated on
   a board.
-- measured at: the commit. Runs without `--timing` leave these tables as they were, and runs with it the rows
+- measured at: the commit. Runs without `--timing` leave these tables as they were; runs with it leave the rows
   of boards that the build folder has not timed.
 
 The paper's desktop PC takes 41.57 ms a frame; that is 19.95 M cycles at 480 MHz and 24.94 M at 600 MHz.
@@ -27,7 +28,7 @@ GATE = """
 
 CI replays these inputs on the emulated boards and fails when a worst frame needs more than 2 % more
 instructions than this table says. Renew it with `tests/timing/timing_gate.py --renew` (after
-`scripts/test.sh`) and commit it together with what made the frame dearer.
+`scripts/test.sh`) and commit it together with the change that made the frame more expensive.
 
 """
 # What CI replays: whole frames of the default configuration; few, so that it stays short.
@@ -87,7 +88,7 @@ def stages(results):
             *table(["target", "image", "input", *(f"{stage.replace('_', ' ')}:" for stage in STAGES)], rows)]
 
 
-def dearest(results):
+def most_expensive(results):
     rows = []
     for target, image, entry in timed_images(results):
         timings = entry["timing"]
@@ -98,16 +99,16 @@ def dearest(results):
                      thousands(of_frame[worst]["worst"]), worst, max(shares, default="-"),
                      thousands(max(frame["hybrid_bound"] for frame in of_frame.values())),
                      f"{max(frame['worst_over_median'] or 0 for frame in of_frame.values()):.2f}",
-                     dearest_ms(timings, "modelled"), dearest_ms(timings, "modelled_hybrid")])
-    return ["", "## Dearest", "", "Over all inputs of an image. Budget: 20 M instructions (goal 12 M), hybrid bound 24 M, "
-            "41.57 ms at 600 MHz, worst/median 2.5. Share of units: the largest share of what a frame's "
-            "[units of work](../explanation/frame-work.md) stand for that it took, drawing apart; a unit is 1,000 "
-            "instructions of the Cortex-M7. Modelled in ms at 480 / 600 MHz.", "",
+                     largest_ms(timings, "modelled"), largest_ms(timings, "modelled_hybrid")])
+    return ["", "## Most expensive frames", "", "Over all inputs of an image. Budget: 20 M instructions (goal 12 M), hybrid bound "
+            "24 M, 41.57 ms at 600 MHz, worst/median 2.5. Share of units: instructions of a frame, without drawing, divided by "
+            "what its [units of work](../explanation/work-limit.md) stand for (1,000 instructions of the Cortex-M7 each); the "
+            "largest of all frames. Modelled in ms at 480 / 600 MHz.", "",
             *table(["target", "measured at", "image", "inputs:", "worst frame:", "of input", "share of units:",
                     "hybrid bound:", "worst/median:", "modelled worst:", "modelled hybrid:"], rows)]
 
 
-def dearest_ms(timings, what):
+def largest_ms(timings, what):
     modelled = [timing for timing in timings.values() if f"{what}_ms_600mhz" in timing]
     return milliseconds(max(modelled, key=lambda timing: timing[f"{what}_ms_600mhz"], default={}), what)
 
@@ -121,7 +122,7 @@ def never_run(results):
             rows.append([target, image, thousands(report["instructions"]), thousands(report["uncovered_instructions"]),
                          report["uncovered_blocks"], largest])
     return ["", "## Never run", "", "Instructions of the core that no frame of an image's inputs ran: refusals, "
-            "rare branches, and what these inputs do not provoke. The bounds above say nothing about them.", "",
+            "rare branches, and what these inputs do not provoke. The bounds above do not cover them.", "",
             *table(["target", "image", "instructions of the core:", "never run:", "blocks:", "largest"], rows)]
 
 
@@ -163,5 +164,5 @@ def write(root, results):
     gate = [(target, image, name, timing["instructions"]["frame"]["worst"])
             for target, image, name, timing in timings_of(results)
             if target == GATE_TARGET and name in GATE_INPUTS and not image.endswith("_large")]
-    parts = [*dearest(results), *frames(results), *stages(results), *never_run(results)]
+    parts = [*most_expensive(results), *frames(results), *stages(results), *never_run(results)]
     renew(root / "docs/reference/timing.md", HEADING + GATE + gate_text(gate) + "\n".join(parts) + "\n", results)
