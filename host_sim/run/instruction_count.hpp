@@ -5,19 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cairn/runtime/ticks.hpp"
-
-extern "C" {
-/// Bounds of a frame and of its stages, found by name by a profiler.
-void cairn_mark_frame_begin();
-void cairn_mark_stage();
-void cairn_mark_frame_end();
-}
-
 namespace cairn::host {
-
-/// A tick source that marks the stages and tells no time.
-TickSource marking_ticks();
 
 /// Instructions of one frame on this machine; of its stages where the tracker reported all of them.
 struct FrameInstructions {
@@ -25,10 +13,15 @@ struct FrameInstructions {
   std::optional<std::vector<double>> stages;  ///< kStageCount of them
 };
 
-/// Replays the input log under valgrind's callgrind and counts: the same numbers in every run.
-/// Nothing when valgrind is not installed; `problem` then says so. Writes into `folder`.
-std::vector<FrameInstructions> count_instructions(const std::filesystem::path& log,
-                                                  const std::filesystem::path& folder,
-                                                  std::string& problem);
+struct InstructionCounts {
+  std::vector<FrameInstructions> frames;  ///< of the whole log, or none
+  std::string problem;                    ///< why there are none
+};
+
+/// Replays the input log in cairn_count_frames, which lies beside this program, under valgrind's
+/// callgrind: the same numbers in every run. None where valgrind is missing or cannot run it.
+/// Writes into `folder` while it counts.
+InstructionCounts count_instructions(const std::filesystem::path& log,
+                                     const std::filesystem::path& folder);
 
 }  // namespace cairn::host

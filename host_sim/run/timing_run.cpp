@@ -94,8 +94,7 @@ class FrameList : public FrameSource {
   std::size_t at_ = 0;
 };
 
-std::vector<FrameInstructions> counted(const TimedRun& run, const std::vector<Frame>& frames,
-                                       std::string& problem) {
+InstructionCounts counted(const TimedRun& run, const std::vector<Frame>& frames) {
   if (frames.empty()) return {};
   const std::filesystem::path log = run.options.out / "counted.log";
   FrameList list(run.source.info(), frames);
@@ -103,7 +102,7 @@ std::vector<FrameInstructions> counted(const TimedRun& run, const std::vector<Fr
       list, log, to_log_header(run.tracker_options, run.source.info(), frames.front().t_us),
       frames.front(), run.tracker_options.work_limit);
   for (Frame frame; recording.next(frame);) continue;
-  std::vector<FrameInstructions> result = count_instructions(log, run.options.out, problem);
+  InstructionCounts result = count_instructions(log, run.options.out);
   std::filesystem::remove(log);
   return result;
 }
@@ -169,8 +168,10 @@ void write_times(const std::filesystem::path& folder, const RunRecord& record,
 
 void write_counts(const std::filesystem::path& folder,
                   const std::vector<FrameInstructions>& frames) {
+  const std::filesystem::path path = folder / "frame_instructions.csv";
+  std::filesystem::remove(path);  // an earlier run's
   if (frames.empty()) return;
-  auto out = fmt::output_file((folder / "frame_instructions.csv").string());
+  auto out = fmt::output_file(path.string());
   out.print("frame,preprocess,pose_prediction,features,pose_update,render,total\n");
   for (std::size_t i = 0; i < frames.size(); ++i) {
     out.print("{}", i);
@@ -225,22 +226,21 @@ ExitCode time_frames(const TimedRun& run) {
   settings.pictures = 0;
   ClockedTracker tracker(run.tracker);
   const RunRecord record = run_frames(source, run.first, tracker, settings);
-  std::string problem;
-  const std::vector<FrameInstructions> instructions = counted(run, source.kept(), problem);
+  const InstructionCounts counts = counted(run, source.kept());
 
   const json summary = {{"source", run.options.source},
                         {"tracker", record.tracker},
                         {"build", build_manifest()},
                         {"frames", record.frames.size()},
                         {"latency_ms", times_json(record, tracker.cpu_ms(), run.options.budget_ms)},
-                        {"instructions", instructions_json(instructions)}};
+                        {"instructions", instructions_json(counts.frames)}};
   write_times(folder, record, tracker.cpu_ms());
-  write_counts(folder, instructions);
+  write_counts(folder, counts.frames);
   write_json(folder / "timing.json", summary);
   const std::string table = table_of(summary);
   std::ofstream(folder / "timing.md") << table;
   fmt::print("\n{}", table);
-  if (!problem.empty()) fmt::print("{}\n", problem);
+  if (!counts.problem.empty()) fmt::print("{}\n", counts.problem);
   if (const auto missing = draw_timing(folder)) fmt::print("{}\n", *missing);
 
   const json& ms = summary["latency_ms"];
