@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <fcntl.h>
 #include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -65,10 +64,10 @@ class MemoryFile {
 /// What becomes of the child's three standard files.
 class StandardFiles {
  public:
-  StandardFiles(const MemoryFile& input, const MemoryFile& errors) {
+  StandardFiles(const MemoryFile& input, const MemoryFile& output, const MemoryFile& errors) {
     posix_spawn_file_actions_init(&actions_);
     posix_spawn_file_actions_adddup2(&actions_, input.descriptor(), STDIN_FILENO);
-    posix_spawn_file_actions_addopen(&actions_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&actions_, output.descriptor(), STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions_, errors.descriptor(), STDERR_FILENO);
   }
   ~StandardFiles() { posix_spawn_file_actions_destroy(&actions_); }
@@ -111,9 +110,10 @@ int ChildEnd::fatal_signal() const {
 
 ChildEnd run_child(const std::vector<std::string>& command, const std::string& input) {
   MemoryFile input_file;
+  const MemoryFile output_file;
   const MemoryFile errors_file;
   input_file.fill(input);
-  const StandardFiles files(input_file, errors_file);
+  const StandardFiles files(input_file, output_file, errors_file);
   std::vector<std::string> words = command;
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
@@ -127,6 +127,7 @@ ChildEnd run_child(const std::vector<std::string>& command, const std::string& i
   const int status = wait_for(child);
   if (WIFSIGNALED(status)) end.signal = WTERMSIG(status);
   if (WIFEXITED(status)) end.code = WEXITSTATUS(status);
+  end.output = output_file.contents();
   end.errors = errors_file.contents();
   return end;
 }

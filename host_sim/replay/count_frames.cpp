@@ -2,10 +2,16 @@
 // objects into every frame and calls the functions of frame_marks.hpp at the bounds of frames and
 // stages. Links the core alone, so that no library of the host's has to run under valgrind.
 //
+// Prints a line per frame, "stages" and a number in hexadecimal for each stage of FrameReport: bit
+// k stands for the instructions between the k-th and the next call of cairn_mark_stage() in the
+// frame, counted from 0.
+//
 // usage: cairn_count_frames LOG
 // Exit status as cairn_sim's: 2 wrong command line, 3 no whole log.
 
+#include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 
 #include "cairn/runtime/augmenter.hpp"
 
@@ -28,15 +34,30 @@ __attribute__((noinline)) void cairn_mark_frame_end() {
 namespace {
 
 using cairn::Status;
+using cairn::TickSource;
 
 constexpr int kUsage = 2;
 constexpr int kInputInvalid = 3;
 
-/// A tick source that marks the stages and tells no time.
-std::uint32_t mark_stage(void*) {
-  cairn_mark_stage();
-  return 0;
-}
+/// Ticks that mark the stages and tell no time: the k-th of a frame is 2^k. A difference of two has
+/// the bits of the marks from one to the other, so that FrameReport's sums of differences say which
+/// pieces of the frame were a stage's.
+class StageMarks {
+ public:
+  void restart() { next_ = 0; }
+  TickSource source() { return {&mark, this}; }
+
+ private:
+  static std::uint32_t mark(void* context) {
+    cairn_mark_stage();
+    auto& marks = *static_cast<StageMarks*>(context);
+    if (marks.next_ >= kMostMarks) std::abort();
+    return 1U << marks.next_++;
+  }
+
+  static constexpr unsigned kMostMarks = 32;
+  unsigned next_ = 0;
+};
 
 class CountedFrame {
  public:
@@ -44,15 +65,20 @@ class CountedFrame {
 
   template <class Tracker>
   void operator()(const cairn::host::ReplayFrame& frame, Tracker& tracker) {
-    const cairn::TickSource ticks{&mark_stage, nullptr};
+    marks_.restart();
+    const TickSource ticks = marks_.source();
     cairn::FrameReport report;
     cairn_mark_frame_begin();
     cairn::host::process_frame(frame, tracker, ticks, report);
     tracker.augment(augmenter_, frame.image, ticks, report);
     cairn_mark_frame_end();
+    std::fputs("stages", stdout);
+    for (const std::uint32_t pieces : report.stage_ticks) std::printf(" %x", pieces);
+    std::fputc('\n', stdout);
   }
 
  private:
+  StageMarks marks_;
   cairn::Augmenter augmenter_;
 };
 

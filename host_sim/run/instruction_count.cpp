@@ -1,8 +1,11 @@
 #include "host_sim/run/instruction_count.hpp"
 
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
+#include <numeric>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -38,14 +41,35 @@ bool ends(const Piece& piece, const char* name) {
   return piece.mark.find(name) != std::string::npos;
 }
 
-/// Pieces of one frame: odometry, five between the tracker's six ticks, one to the drawing's first,
-/// the drawing, the rest.
-std::optional<std::vector<double>> stages_of(const std::vector<double>& pieces) {
-  if (pieces.size() != 8) return std::nullopt;
-  return std::vector<double>{pieces[1], pieces[0] + pieces[2], pieces[3], pieces[4], pieces[6]};
+/// Which pieces of a frame belong to which stage, as cairn_count_frames prints it.
+using StageBits = std::array<std::uint32_t, kStageCount>;
+
+std::vector<StageBits> read_stages(const std::string& text) {
+  std::vector<StageBits> frames;
+  std::istringstream lines(text);
+  for (std::string word; lines >> word;) {
+    StageBits bits{};
+    for (std::uint32_t& each : bits) lines >> std::hex >> each;
+    frames.push_back(bits);
+  }
+  return frames;
 }
 
-std::vector<FrameInstructions> frames_of(const std::vector<Piece>& all) {
+/// The piece before the first mark holds the odometry; piece k + 1 follows mark k.
+FrameInstructions frame_of(const std::vector<double>& pieces, const StageBits& bits) {
+  FrameInstructions frame;
+  frame.total = std::accumulate(pieces.begin(), pieces.end(), 0.0);
+  frame.stages[static_cast<int>(Stage::kPosePrediction)] = pieces.front();
+  for (int stage = 0; stage < kStageCount; ++stage) {
+    for (std::size_t k = 0; k + 1 < pieces.size(); ++k) {
+      if ((bits[stage] >> k & 1U) != 0U) frame.stages[stage] += pieces[k + 1];
+    }
+  }
+  return frame;
+}
+
+std::vector<FrameInstructions> frames_of(const std::vector<Piece>& all,
+                                         const std::vector<StageBits>& stages) {
   std::vector<FrameInstructions> frames;
   std::vector<double> pieces;
   for (const Piece& piece : all) {
@@ -55,12 +79,10 @@ std::vector<FrameInstructions> frames_of(const std::vector<Piece>& all) {
     }
     pieces.push_back(piece.instructions);
     if (!ends(piece, kFrameEndMark)) continue;
-    FrameInstructions frame;
-    for (const double each : pieces) frame.total += each;
-    frame.stages = stages_of(pieces);
-    frames.push_back(std::move(frame));
+    if (frames.size() == stages.size()) return {};
+    frames.push_back(frame_of(pieces, stages[frames.size()]));
   }
-  return frames;
+  return frames.size() == stages.size() ? frames : std::vector<FrameInstructions>{};
 }
 
 /// valgrind replaces %p and the like in a file's name.
@@ -102,7 +124,7 @@ InstructionCounts count_instructions(const fs::path& log, const fs::path& folder
   if (!fs::exists(program)) return none(fmt::format("{} is missing", program.string()));
   const fs::path out = folder / "callgrind.out";
   const ChildEnd end = run_child(callgrind_command(program, log, out));
-  std::vector<FrameInstructions> frames = frames_of(read_pieces(out));
+  std::vector<FrameInstructions> frames = frames_of(read_pieces(out), read_stages(end.output));
   std::error_code ignored;
   fs::remove(out, ignored);
   if (!end.succeeded()) return none(why_not(end));

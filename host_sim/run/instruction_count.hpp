@@ -1,16 +1,19 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "cairn/runtime/ticks.hpp"
+
 namespace cairn::host {
 
-/// Instructions of one frame on this machine; of its stages where the tracker reported all of them.
+/// Instructions of one frame on this machine. The stages' do not add up to the total: the steps
+/// between them are no stage's. Odometry counts as pose prediction.
 struct FrameInstructions {
   double total = 0.0;
-  std::optional<std::vector<double>> stages;  ///< kStageCount of them
+  std::array<double, kStageCount> stages{};
 };
 
 struct InstructionCounts {

@@ -136,9 +136,7 @@ json instructions_json(const std::vector<FrameInstructions>& frames) {
   std::vector<std::vector<double>> stages(kStageCount);
   for (const FrameInstructions& frame : frames) {
     total.push_back(frame.total);
-    for (int i = 0; i < kStageCount && frame.stages.has_value(); ++i) {
-      stages[i].push_back((*frame.stages)[i]);
-    }
+    for (int i = 0; i < kStageCount; ++i) stages[i].push_back(frame.stages[i]);
   }
   const auto row = [](const std::vector<double>& values) {
     const Statistics s = statistics_of(values);
@@ -147,7 +145,7 @@ json instructions_json(const std::vector<FrameInstructions>& frames) {
   json result = row(total);
   result["frames"] = frames.size();
   for (int i = 0; i < kStageCount; ++i) {
-    if (!stages[i].empty()) result["stages"][kStageRows[i].key] = row(stages[i]);
+    result["stages"][kStageRows[i].key] = row(stages[i]);
   }
   return result;
 }
@@ -175,21 +173,15 @@ void write_counts(const std::filesystem::path& folder,
   out.print("frame,preprocess,pose_prediction,features,pose_update,render,total\n");
   for (std::size_t i = 0; i < frames.size(); ++i) {
     out.print("{}", i);
-    for (int k = 0; k < kStageCount; ++k) {
-      out.print(",{}", frames[i].stages ? fmt::format("{:.0f}", (*frames[i].stages)[k]) : "");
-    }
+    for (const double stage : frames[i].stages) out.print(",{:.0f}", stage);
     out.print(",{:.0f}\n", frames[i].total);
   }
 }
 
 std::string millions(const json& instructions, const char* stage, const char* what) {
   if (instructions.is_null()) return "-";
-  const json* row = &instructions;
-  if (stage != nullptr) {
-    if (!instructions.contains("stages") || !instructions["stages"].contains(stage)) return "-";
-    row = &instructions["stages"][stage];
-  }
-  return fmt::format("{:.3f} M", (*row)[what].get<double>() * 1e-6);
+  const json& row = stage == nullptr ? instructions : instructions["stages"][stage];
+  return fmt::format("{:.3f} M", row[what].get<double>() * 1e-6);
 }
 
 std::string line(const std::string& name, const json& ms, const json& instructions,

@@ -9,7 +9,8 @@ foreign=$(ldd "$count" | grep -vE "$allowed")
 [ -z "$foreign" ] || fail "cairn_count_frames links $foreign"
 
 expect 0 "log hash" run hall-small --max-frames 3 --no-video --record "$work/log" --out run
-"$count" "$work/log" || fail "cairn_count_frames ended with $?"
+lines=$("$count" "$work/log") || fail "cairn_count_frames ended with $?"
+[ "$(grep -c '^stages' <<<"$lines")" -eq 3 ] || fail "not a line for each frame: $lines"
 [ "$("$count" 2>&1)" = "usage: cairn_count_frames LOG" ] || fail "cairn_count_frames: no usage"
 head -c 1000 "$work/log" >"$work/cut"
 cut=$("$count" "$work/cut" 2>&1)
@@ -27,6 +28,12 @@ for out in a b; do
   expect 0 "whole frame" timing hall-small --max-frames 3 --counted-frames 3 --out $out
 done
 [ "$(wc -l <"$work/a/frame_instructions.csv")" -eq 4 ] || fail "not three frames counted"
+# From the tenth frame on the hall is tracked: every stage works, and most of a frame is some stage's.
+expect 0 "whole frame" timing hall-small --max-frames 12 --counted-frames 12 --out c
+tail -n +12 "$work/c/frame_instructions.csv" | awk -F, '
+  { sum = $2 + $3 + $4 + $5 + $6 }
+  $2 == 0 || $3 == 0 || $4 == 0 || $5 == 0 || $6 == 0 || sum > $7 || sum < 0.95 * $7 { print; bad = 1 }
+  END { exit bad || NR == 0 }' || fail "stages that are not the frame"
 cmp "$work/a/frame_instructions.csv" "$work/b/frame_instructions.csv" || fail "counts differ"
 for left in callgrind.out counted.log; do
   [ ! -e "$work/a/$left" ] || fail "$left is left"
