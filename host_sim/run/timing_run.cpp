@@ -6,13 +6,14 @@
 #include <fmt/format.h>
 #include <fmt/os.h>
 
+#include "host_sim/io/python_script.hpp"
 #include "host_sim/run/input_log_file.hpp"
 #include "host_sim/run/instruction_count.hpp"
 #include "host_sim/run/names.hpp"
-#include "host_sim/run/report.hpp"
 #include "host_sim/run/run_outputs.hpp"
 #include "host_sim/run/runner.hpp"
 #include "host_sim/run/statistics.hpp"
+#include "host_sim/run/timing_picture.py.hpp"
 
 namespace cairn::host {
 namespace {
@@ -233,7 +234,9 @@ ExitCode time_frames(const TimedRun& run) {
   std::ofstream(folder / "timing.md") << table;
   fmt::print("\n{}", table);
   if (!counts.problem.empty()) fmt::print("{}\n", counts.problem);
-  if (const auto missing = draw_timing(folder)) fmt::print("{}\n", *missing);
+  if (const auto problem = draw_with_python("timing.png", kTimingScript, folder)) {
+    fmt::print("{}\n", *problem);
+  }
 
   const json& ms = summary["latency_ms"];
   const double p99 = ms["cpu"]["p99"].get<double>();

@@ -11,9 +11,10 @@ fail() {
   failures=$((failures + 1))
 }
 
-# expect CODE "TEXT|TEXT..." ARGUMENTS...: the program ends with CODE and says every TEXT.
+# expect CODE "TEXT|TEXT..." ARGUMENTS...: the program ends with CODE and says every TEXT. What it
+# said is in `output`.
 expect() {
-  local code=$1 texts=$2 output result text
+  local code=$1 texts=$2 result text
   shift 2
   output=$(cd "$work" && env "${environment[@]}" "$sim" "$@" 2>&1 </dev/null)
   result=$?
