@@ -12,9 +12,20 @@ namespace {
 
 using cairn::host::ExitCode;
 
+/// As a shell takes it for one word: in quotes where it has characters with a meaning.
+std::string as_word(const std::string& argument) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/@%";
+  if (!argument.empty() && argument.find_first_not_of(kPlain) == std::string::npos) return argument;
+  std::string word = "'";
+  for (const char c : argument) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return word + "'";
+}
+
+/// The command line of the manifest, which can be pasted into a shell.
 std::string join_arguments(int argc, char** argv) {
   std::string line = "cairn_sim";
-  for (int i = 1; i < argc; ++i) line += std::string(" ") + argv[i];
+  for (int i = 1; i < argc; ++i) line += " " + as_word(argv[i]);
   return line;
 }
 

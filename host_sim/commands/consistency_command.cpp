@@ -108,7 +108,9 @@ void run(const ConsistencyOptions& options, const std::string& command_line) {
   write_manifest(options, command_line);
   write_experiment(result, options.out);
   fmt::print("{}", experiment_table(result));
-  if (options.pictures && config.shard.count == 1) draw_experiment(options.out);
+  if (options.pictures && config.shard.count == 1) {
+    if (const auto problem = draw_experiment(options.out)) fmt::print(stderr, "{}\n", *problem);
+  }
   fmt::print("results in {}\n", options.out.string());
 }
 

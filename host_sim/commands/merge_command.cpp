@@ -44,7 +44,7 @@ void run(const MergeOptions& options) {
   check_complete(result);
   write_experiment(result, options.out);
   fmt::print("{}", experiment_table(result));
-  draw_experiment(options.out);
+  if (const auto problem = draw_experiment(options.out)) fmt::print(stderr, "{}\n", *problem);
   fmt::print("results in {}\n", options.out.string());
 }
 

@@ -11,7 +11,7 @@ namespace {
 
 struct ReplayArguments {
   std::filesystem::path log;
-  ReplayOptions options;
+  std::string config;
 };
 
 }  // namespace
@@ -19,15 +19,13 @@ struct ReplayArguments {
 void register_replay_command(CommandContext& context) {
   CLI::App* command =
       context.app.add_subcommand("replay", "Replay an input log, one hash per frame");
-  const auto options = std::make_shared<ReplayArguments>();
-  command->add_option("LOG", options->log, "Input log that `run --record` wrote")->required();
+  const auto arguments = std::make_shared<ReplayArguments>();
+  command->add_option("LOG", arguments->log, "Input log that `run --record` wrote")->required();
   command
-      ->add_option("--config", options->options.config,
+      ->add_option("--config", arguments->config,
                    "Capacities of the tracker: those of the firmware to compare with")
       ->check(CLI::IsMember({"default", "tiny", "large"}));
-  command->add_flag("--marked", options->options.marked,
-                    "Draw the virtual objects and mark frames and stages for a profiler");
-  command->callback([options] { replay_log(options->log, options->options); });
+  command->callback([arguments] { replay_log(arguments->log, arguments->config); });
 }
 
 }  // namespace cairn::host

@@ -87,7 +87,9 @@ void run(const TurntableOptions& options, const std::string& command_line) {
   std::ofstream(options.out / "manifest.json") << manifest.dump(2) << '\n';
   write_turntable(config, cells, options.out);
   fmt::print("{}", turntable_table(cells));
-  if (options.pictures) (void)draw_turntable(options.out);
+  if (options.pictures) {
+    if (const auto problem = draw_turntable(options.out)) fmt::print(stderr, "{}\n", *problem);
+  }
   fmt::print("results in {}\n", options.out.string());
 }
 

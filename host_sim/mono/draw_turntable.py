@@ -7,8 +7,10 @@ import sys
 from collections import defaultdict
 from pathlib import Path
 
-import matplotlib
-
+try:
+    import matplotlib
+except ImportError:
+    sys.exit(4)
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 

@@ -1,10 +1,12 @@
 #include "host_sim/mono/turntable_files.hpp"
 
-#include <cstdlib>
 #include <fstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "host_sim/io/python_script.hpp"
+#include "host_sim/mono/draw_turntable.py.hpp"
 
 namespace cairn::host {
 namespace {
@@ -114,15 +116,8 @@ std::string turntable_table(const std::vector<TurntableCell>& cells) {
   return table;
 }
 
-bool draw_turntable(const std::filesystem::path& out) {
-  // Debian's own interpreter second: a python3 earlier on the path may lack matplotlib.
-  for (const char* interpreter : {"python3", "/usr/bin/python3"}) {
-    const std::string command = fmt::format("{} \"{}\" \"{}\" 2>/dev/null", interpreter,
-                                            CAIRN_DRAW_TURNTABLE, out.string());
-    if (std::system(command.c_str()) == 0) return true;  // NOLINT: fixed command, own path
-  }
-  fmt::print(stderr, "pictures not drawn: no python3 with matplotlib\n");
-  return false;
+std::optional<std::string> draw_turntable(const std::filesystem::path& out) {
+  return draw_with_python("pictures", kTurntableScript, out);
 }
 
 }  // namespace cairn::host

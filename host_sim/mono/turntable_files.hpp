@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,8 @@ void write_turntable(const TurntableConfig& config, const std::vector<TurntableC
 /// The table that the command prints, and summary.md.
 std::string turntable_table(const std::vector<TurntableCell>& cells);
 
-/// Draws yaw_error.png and fading.png from the files in `out` with python3 and matplotlib; says so
-/// on stderr and returns false where there is none.
-bool draw_turntable(const std::filesystem::path& out);
+/// Draws fading.png, angles.png, yaw_error.png and pitch_error.png from the files in `out` with
+/// python3 and matplotlib. Nothing on success, else a sentence that says why there are none.
+std::optional<std::string> draw_turntable(const std::filesystem::path& out);
 
 }  // namespace cairn::host

@@ -7,8 +7,10 @@ import json
 import pathlib
 import sys
 
-import matplotlib
-
+try:
+    import matplotlib
+except ImportError:
+    sys.exit(4)
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -10,6 +9,8 @@
 #include "cairn/numeric/math.hpp"
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/python_script.hpp"
+#include "host_sim/planar/draw_consistency.py.hpp"
 #include "host_sim/planar/filter.hpp"
 #include "host_sim/planar/operation_count.hpp"
 
@@ -261,18 +262,8 @@ ExperimentResult read_partial(const fs::path& folder) {
   }
 }
 
-bool draw_experiment(const fs::path& out) {
-  // Debian's own interpreter second: a python3 earlier on the path may lack matplotlib.
-  const fs::path script = fs::path(CAIRN_PLANAR_SCRIPTS) / "draw_consistency.py";
-  for (const char* interpreter : {"python3", "/usr/bin/python3"}) {
-    const std::string probe = fmt::format("{} -c 'import matplotlib' >/dev/null 2>&1", interpreter);
-    if (std::system(probe.c_str()) != 0) continue;
-    const std::string command =
-        fmt::format("{} '{}' '{}'", interpreter, script.string(), out.string());
-    return std::system(command.c_str()) == 0;
-  }
-  fmt::print(stderr, "pictures not drawn: no python3 with matplotlib\n");
-  return false;
+std::optional<std::string> draw_experiment(const fs::path& out) {
+  return draw_with_python("pictures", kConsistencyScript, out);
 }
 
 }  // namespace cairn::host

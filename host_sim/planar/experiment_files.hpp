@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -24,7 +25,7 @@ nlohmann::json experiment_summary(const ExperimentResult& result);
 std::string experiment_table(const ExperimentResult& result);
 
 /// Draws nees.png, error.png and field.png from the files in `out` with python3 and matplotlib.
-/// False, with the reason on stderr, when that is not possible: the figures are in the CSV anyway.
-bool draw_experiment(const std::filesystem::path& out);
+/// Nothing on success, else a sentence that says why there are none: the figures are in the CSV.
+std::optional<std::string> draw_experiment(const std::filesystem::path& out);
 
 }  // namespace cairn::host

@@ -1,20 +1,12 @@
 #include "host_sim/run/input_log_file.hpp"
 
 #include <cstdlib>
-#include <memory>
-#include <vector>
 
 #include <fmt/format.h>
 
-#include "cairn/ar/augmenter.hpp"
-#include "cairn/planar/ekf_slam.hpp"
-#include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
-#include "cairn/runtime/replay.hpp"
-
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/replay/log_replay.hpp"
 #include "host_sim/run/core_conversions.hpp"
-#include "host_sim/run/instruction_count.hpp"
 
 namespace cairn::host {
 namespace {
@@ -26,106 +18,28 @@ LogFilter to_log_filter(const std::string& name) {
   return LogFilter::kGroupIekf;
 }
 
-struct FileBytes {
-  std::ifstream stream;
-  int read(std::uint8_t* bytes, int count) {
-    stream.read(reinterpret_cast<char*>(bytes), count);
-    return static_cast<int>(stream.gcount());
-  }
-};
-
-class LogReplay {
- public:
-  explicit LogReplay(const std::filesystem::path& path)
-      : path_(path), bytes_{std::ifstream(path, std::ios::binary)}, reader_(bytes_) {
-    if (!bytes_.stream) throw InputError(path, "cannot be read: expected an input log");
-    check(reader_.open(header_));
-  }
-
-  void run(const ReplayOptions& options) {
-    marked_ = options.marked;
-    std::string config = options.config;
-    const PinholeCamera<float>& camera = header_.camera;
-    if (config.empty()) {
-      const bool fits = camera.width <= DefaultConfig::kMaxImageWidth &&
-                        camera.height <= DefaultConfig::kMaxImageHeight;
-      config = fits ? "default" : "large";
-    }
-    if (config == "tiny") return run_with<TinyConfig>();
-    if (config == "large") return run_with<LargeConfig>();
-    run_with<DefaultConfig>();
-  }
-
- private:
-  template <class Config>
-  void run_with() {
-    constexpr int kMax = Config::kMaxLandmarks;
-    if (header_.mode == LogMode::kHandheld) return run_tracker<HandheldTracker<Config>>();
-    switch (header_.filter) {
-      case LogFilter::kEkf:
-        return run_tracker<VehicleTracker<Config, EkfSlam<float, kMax, 3>>>();
-      case LogFilter::kLiftedIekf:
-        return run_tracker<VehicleTracker<Config, LiftedIekfSlam<float, kMax, 3>>>();
-      case LogFilter::kGroupIekf:
-      case LogFilter::kMono:
-        break;
-    }
-    run_tracker<VehicleTracker<Config, GroupIekfSlam<float, kMax, 3>>>();
-  }
-
+/// Prints a frame's line.
+struct PrintFrame {
   template <class Tracker>
-  void run_tracker() {
-    const auto tracker = std::make_unique<Tracker>();
-    check(start_replay(header_, *tracker));
-    const int width = header_.camera.width;
-    const int height = header_.camera.height;
-    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width) *
-                                     static_cast<std::size_t>(height));
-    const MutableImageView image{pixels.data(), width, height, width};
-    Augmenter augmenter;
-    check(augmenter.initialise(Augmenter::Parameters{}));
-    std::vector<OdometrySample> odometry;
-    LogEvent event = LogEvent::kOdometry;
-    OdometrySample sample;
-    LogFrame frame;
-    for (;;) {
-      check(reader_.next(event, sample, frame, image));
-      if (event == LogEvent::kEnd) return;
-      if (event == LogEvent::kOdometry) {
-        odometry.push_back(sample);
-        continue;
-      }
-      FrameReport report;
-      if (marked_) cairn_mark_frame_begin();
-      for (const OdometrySample& each : odometry) {
-        // A sample that is refused is in the tracker's counters, and so in the hash.
-        static_cast<void>(replay_odometry(each, *tracker));
-      }
-      odometry.clear();
-      const TickSource ticks = marked_ ? marking_ticks() : TickSource{};
-      replay_work_limit(frame, *tracker);
-      report.status = tracker->process_frame(image, frame.t_us, ticks, report);
-      if (marked_) {
-        tracker->augment(augmenter, image, ticks, report);
-        cairn_mark_frame_end();
-      }
-      fmt::print("frame {} {} {} {:016x}\n", frame.number, frame.t_us, to_string(report.status),
-                 frame_hash(*tracker, report));
-    }
+  void operator()(const ReplayFrame& frame, Tracker& tracker) const {
+    FrameReport report;
+    process_frame(frame, tracker, TickSource{}, report);
+    fmt::print("frame {} {} {} {:016x}\n", frame.log.number, frame.log.t_us,
+               to_string(report.status), frame_hash(tracker, report));
   }
-
-  void check(Status status) const {
-    if (ok(status)) return;
-    throw InputError(path_, fmt::format("{}: expected a whole input log of version {}",
-                                        to_string(status), kInputLogVersion));
-  }
-
-  std::filesystem::path path_;
-  FileBytes bytes_;
-  InputLogReader<FileBytes> reader_;
-  InputLogHeader header_;
-  bool marked_ = false;
 };
+
+Status replay(LogFile& file, const std::string& config) {
+  InputLogReader<LogFile> reader(file);
+  InputLogHeader header;
+  const Status status = reader.open(header);
+  if (!ok(status)) return status;
+  PrintFrame print;
+  if (config == "tiny") return replay_frames<TinyConfig>(reader, header, print);
+  const bool large = config.empty() ? !fits<DefaultConfig>(header.camera) : config == "large";
+  if (large) return replay_frames<LargeConfig>(reader, header, print);
+  return replay_frames<DefaultConfig>(reader, header, print);
+}
 
 }  // namespace
 
@@ -204,8 +118,13 @@ void RecordingSource::check(Status status) const {
                               : fmt::format("the run cannot be recorded: {}", to_string(status)));
 }
 
-void replay_log(const std::filesystem::path& path, const ReplayOptions& options) {
-  LogReplay(path).run(options);
+void replay_log(const std::filesystem::path& path, const std::string& config) {
+  LogFile file(path.c_str());
+  if (!file.opened()) throw InputError(path, "cannot be read: expected an input log");
+  const Status status = replay(file, config);
+  if (ok(status)) return;
+  throw InputError(path, fmt::format("{}: expected a whole input log of version {}",
+                                     to_string(status), kInputLogVersion));
 }
 
 }  // namespace cairn::host

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <string>
 
 #include "cairn/runtime/input_log.hpp"
 
@@ -45,16 +46,9 @@ class RecordingSource : public FrameSource {
   InputLogWriter<Sink> writer_;
 };
 
-struct ReplayOptions {
-  std::string
-      config;  ///< default, tiny, large, or empty: the smaller of default and large that fits
-  /// Draw the virtual objects as well, and call the functions of instruction_count.hpp at the
-  /// bounds of frames and stages.
-  bool marked = false;
-};
-
 /// Replays an input log on the tracker that its header names and prints one line per frame: number,
-/// time, status, hash. Throws InputError, naming the file, for anything but a whole log.
-void replay_log(const std::filesystem::path& path, const ReplayOptions& options);
+/// time, status, hash. `config`: default, tiny, large, or empty: the smaller of default and large
+/// that fits. Throws InputError, naming the file, for anything but a whole log.
+void replay_log(const std::filesystem::path& path, const std::string& config);
 
 }  // namespace cairn::host

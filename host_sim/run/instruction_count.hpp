@@ -1,34 +1,30 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "cairn/base/ticks.hpp"
 
-extern "C" {
-/// Bounds of a frame and of its stages, found by name by a profiler.
-void cairn_mark_frame_begin();
-void cairn_mark_stage();
-void cairn_mark_frame_end();
-}
-
 namespace cairn::host {
 
-/// A tick source that marks the stages and tells no time.
-TickSource marking_ticks();
-
-/// Instructions of one frame on this machine; of its stages where the tracker reported all of them.
+/// Instructions of one frame on this machine. The stages' do not add up to the total: the steps
+/// between them are no stage's. Odometry counts as pose prediction.
 struct FrameInstructions {
   double total = 0.0;
-  std::optional<std::vector<double>> stages;  ///< kStageCount of them
+  std::array<double, kStageCount> stages{};
 };
 
-/// Replays the input log under valgrind's callgrind and counts: the same numbers in every run.
-/// Nothing when valgrind is not installed; `problem` then says so. Writes into `folder`.
-std::vector<FrameInstructions> count_instructions(const std::filesystem::path& log,
-                                                  const std::filesystem::path& folder,
-                                                  std::string& problem);
+struct InstructionCounts {
+  std::vector<FrameInstructions> frames;  ///< of the whole log, or none
+  std::string problem;                    ///< why there are none
+};
+
+/// Replays the input log in cairn_count_frames, which lies beside this program, under valgrind's
+/// callgrind: the same numbers in every run. None where valgrind is missing or cannot run it.
+/// Writes into `folder` while it counts.
+InstructionCounts count_instructions(const std::filesystem::path& log,
+                                     const std::filesystem::path& folder);
 
 }  // namespace cairn::host

@@ -162,6 +162,10 @@ def plot_map(frames, tracking):
     return svg(figure)
 
 
+def shown(text):
+    return html.escape(str(text))
+
+
 def value(number, digits=2, unit=""):
     return "&ndash;" if number is None else f"{number:.{digits}f}{unit}"
 
@@ -189,13 +193,13 @@ def cards(summary):
         ("over budget", f"{100 * l['over_budget']:.2f} % of frames"),
         ("registration error", value(r["mean"], 2, " px mean") + ", " + value(r["max"], 2, " px max")),
         ("trajectory error", value(t["ate_rmse_m"], 3, " m rms")
-         + (f" ({t['aligned']})" if t["aligned"] else "")),
+         + (f" ({shown(t['aligned'])})" if t["aligned"] else "")),
         ("rotation error", value(t["rotation_rmse_deg"], 2, "&deg; rms")),
         ("NEES", value(summary["nees"]["mean"], 2) + (" (3 is consistent)" if summary["nees"]["mean"] else "")),
         ("map", f"{summary['map']['landmarks']} of {summary['map']['capacity']} landmarks"),
     ]
     return "<div class='cards'>" + "".join(
-        f"<div><b>{v}</b><span>{html.escape(k)}</span></div>" for k, v in items) + "</div>"
+        f"<div><b>{v}</b><span>{shown(k)}</span></div>" for k, v in items) + "</div>"
 
 
 def picture(path):
@@ -224,17 +228,18 @@ code{font-size:.85em;overflow-wrap:anywhere}
 
 
 def main(folder):
-    with open(folder + "/summary.json") as file:
+    with open(folder + "/summary.json", encoding="utf-8") as file:
         summary = json.load(file)
-    with open(folder + "/manifest.json") as file:
+    with open(folder + "/manifest.json", encoding="utf-8") as file:
         manifest = json.load(file)
     frames, tracking = read_csv(folder + "/frames.csv"), read_csv(folder + "/tracking.csv")
     config = manifest["config"]
     parts = [
-        f"<h1>{html.escape(manifest['source']['name'])}</h1>",
-        f"<p class='muted'>{config['mode']} &middot; {config['filter']} &middot; seed {manifest['seed']}"
-        f" &middot; {html.escape(manifest['source']['note'] or 'no assumptions')}</p>", cards(summary)]
-    pictures = sorted(glob.glob(folder + "/overlay-*.jpg"))
+        f"<h1>{shown(manifest['source']['name'])}</h1>",
+        f"<p class='muted'>{shown(config['mode'])} &middot; {shown(config['filter'])}"
+        f" &middot; seed {shown(manifest['seed'])}"
+        f" &middot; {shown(manifest['source']['note'] or 'no assumptions')}</p>", cards(summary)]
+    pictures = sorted(glob.glob(glob.escape(folder) + "/overlay-*.jpg"))
     if pictures:
         parts += ["<h2>What a user sees</h2><div class='frames'>", *map(picture, pictures), "</div>"]
     parts += ["<h2>Latency</h2>", stage_table(summary),
@@ -251,15 +256,15 @@ def main(folder):
                   "where the estimated pose puts them"
                   f" ({summary['registration_px']['n']} points).</p>"]
     parts += ["<h2>Map and matches</h2>", plot_map(frames, tracking)]
-    health = "".join(f"<div><span>{k.replace('_', ' ')}</span><b>{v}</b></div>"
+    health = "".join(f"<div><span>{shown(k.replace('_', ' '))}</span><b>{shown(v)}</b></div>"
                      for k, v in summary["health"].items())
     parts += [f"<h2>Health</h2><div class='health'>{health}</div>",
               "<h2>How this was made</h2>"
-              f"<p><code>{html.escape(manifest['command'])}</code></p>"
-              f"<p class='muted'>cairn {manifest['version']} &middot; {html.escape(manifest['compiler'])}"
-              f" &middot; {html.escape(manifest['cpu'])}<br>log hash <code>{summary['log_hash']}</code></p>"]
-    title = html.escape(manifest["source"]["name"])
-    with open(folder + "/report.html", "w") as file:
+              f"<p><code>{shown(manifest['command'])}</code></p>"
+              f"<p class='muted'>cairn {shown(manifest['version'])} &middot; {shown(manifest['compiler'])}"
+              f" &middot; {shown(manifest['cpu'])}<br>log hash <code>{shown(summary['log_hash'])}</code></p>"]
+    title = shown(manifest["source"]["name"])
+    with open(folder + "/report.html", "w", encoding="utf-8") as file:
         file.write("<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' "
                    "content='width=device-width, initial-scale=1'>"
                    f"<title>Cairn: {title}</title><style>{STYLE}</style>" + "\n".join(parts) + "</html>\n")

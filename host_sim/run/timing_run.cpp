@@ -6,13 +6,14 @@
 #include <fmt/format.h>
 #include <fmt/os.h>
 
+#include "host_sim/io/python_script.hpp"
 #include "host_sim/run/input_log_file.hpp"
 #include "host_sim/run/instruction_count.hpp"
 #include "host_sim/run/names.hpp"
-#include "host_sim/run/report.hpp"
 #include "host_sim/run/run_outputs.hpp"
 #include "host_sim/run/runner.hpp"
 #include "host_sim/run/statistics.hpp"
+#include "host_sim/run/timing_picture.py.hpp"
 
 namespace cairn::host {
 namespace {
@@ -94,8 +95,7 @@ class FrameList : public FrameSource {
   std::size_t at_ = 0;
 };
 
-std::vector<FrameInstructions> counted(const TimedRun& run, const std::vector<Frame>& frames,
-                                       std::string& problem) {
+InstructionCounts counted(const TimedRun& run, const std::vector<Frame>& frames) {
   if (frames.empty()) return {};
   const std::filesystem::path log = run.options.out / "counted.log";
   FrameList list(run.source.info(), frames);
@@ -103,7 +103,7 @@ std::vector<FrameInstructions> counted(const TimedRun& run, const std::vector<Fr
       list, log, to_log_header(run.tracker_options, run.source.info(), frames.front().t_us),
       frames.front(), run.tracker_options.work_limit);
   for (Frame frame; recording.next(frame);) continue;
-  std::vector<FrameInstructions> result = count_instructions(log, run.options.out, problem);
+  InstructionCounts result = count_instructions(log, run.options.out);
   std::filesystem::remove(log);
   return result;
 }
@@ -137,9 +137,7 @@ json instructions_json(const std::vector<FrameInstructions>& frames) {
   std::vector<std::vector<double>> stages(kStageCount);
   for (const FrameInstructions& frame : frames) {
     total.push_back(frame.total);
-    for (int i = 0; i < kStageCount && frame.stages.has_value(); ++i) {
-      stages[i].push_back((*frame.stages)[i]);
-    }
+    for (int i = 0; i < kStageCount; ++i) stages[i].push_back(frame.stages[i]);
   }
   const auto row = [](const std::vector<double>& values) {
     const Statistics s = statistics_of(values);
@@ -148,7 +146,7 @@ json instructions_json(const std::vector<FrameInstructions>& frames) {
   json result = row(total);
   result["frames"] = frames.size();
   for (int i = 0; i < kStageCount; ++i) {
-    if (!stages[i].empty()) result["stages"][kStageRows[i].key] = row(stages[i]);
+    result["stages"][kStageRows[i].key] = row(stages[i]);
   }
   return result;
 }
@@ -169,26 +167,22 @@ void write_times(const std::filesystem::path& folder, const RunRecord& record,
 
 void write_counts(const std::filesystem::path& folder,
                   const std::vector<FrameInstructions>& frames) {
+  const std::filesystem::path path = folder / "frame_instructions.csv";
+  std::filesystem::remove(path);  // an earlier run's
   if (frames.empty()) return;
-  auto out = fmt::output_file((folder / "frame_instructions.csv").string());
+  auto out = fmt::output_file(path.string());
   out.print("frame,preprocess,pose_prediction,features,pose_update,render,total\n");
   for (std::size_t i = 0; i < frames.size(); ++i) {
     out.print("{}", i);
-    for (int k = 0; k < kStageCount; ++k) {
-      out.print(",{}", frames[i].stages ? fmt::format("{:.0f}", (*frames[i].stages)[k]) : "");
-    }
+    for (const double stage : frames[i].stages) out.print(",{:.0f}", stage);
     out.print(",{:.0f}\n", frames[i].total);
   }
 }
 
 std::string millions(const json& instructions, const char* stage, const char* what) {
   if (instructions.is_null()) return "-";
-  const json* row = &instructions;
-  if (stage != nullptr) {
-    if (!instructions.contains("stages") || !instructions["stages"].contains(stage)) return "-";
-    row = &instructions["stages"][stage];
-  }
-  return fmt::format("{:.3f} M", (*row)[what].get<double>() * 1e-6);
+  const json& row = stage == nullptr ? instructions : instructions["stages"][stage];
+  return fmt::format("{:.3f} M", row[what].get<double>() * 1e-6);
 }
 
 std::string line(const std::string& name, const json& ms, const json& instructions,
@@ -225,23 +219,24 @@ ExitCode time_frames(const TimedRun& run) {
   settings.pictures = 0;
   ClockedTracker tracker(run.tracker);
   const RunRecord record = run_frames(source, run.first, tracker, settings);
-  std::string problem;
-  const std::vector<FrameInstructions> instructions = counted(run, source.kept(), problem);
+  const InstructionCounts counts = counted(run, source.kept());
 
   const json summary = {{"source", run.options.source},
                         {"tracker", record.tracker},
                         {"build", build_manifest()},
                         {"frames", record.frames.size()},
                         {"latency_ms", times_json(record, tracker.cpu_ms(), run.options.budget_ms)},
-                        {"instructions", instructions_json(instructions)}};
+                        {"instructions", instructions_json(counts.frames)}};
   write_times(folder, record, tracker.cpu_ms());
-  write_counts(folder, instructions);
+  write_counts(folder, counts.frames);
   write_json(folder / "timing.json", summary);
   const std::string table = table_of(summary);
   std::ofstream(folder / "timing.md") << table;
   fmt::print("\n{}", table);
-  if (!problem.empty()) fmt::print("{}\n", problem);
-  if (const auto missing = draw_timing(folder)) fmt::print("{}\n", *missing);
+  if (!counts.problem.empty()) fmt::print("{}\n", counts.problem);
+  if (const auto problem = draw_with_python("timing.png", kTimingScript, folder)) {
+    fmt::print("{}\n", *problem);
+  }
 
   const json& ms = summary["latency_ms"];
   const double p99 = ms["cpu"]["p99"].get<double>();

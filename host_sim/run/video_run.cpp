@@ -9,7 +9,7 @@
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/run/input_log_file.hpp"
 #include "host_sim/run/names.hpp"
-#include "host_sim/run/report.hpp"
+#include "host_sim/run/report.py.hpp"
 #include "host_sim/run/run_outputs.hpp"
 #include "host_sim/run/runner.hpp"
 #include "host_sim/run/timing_run.hpp"
@@ -169,7 +169,7 @@ ExitCode run_source(FrameSource& source, const RunOptions& options) {
   if (options.video && record.overlay.empty()) {
     fmt::print("overlay video not written: OpenCV has no encoder for H.264, MPEG-4 or MJPG\n");
   }
-  if (const auto problem = write_report(options.out)) {
+  if (const auto problem = draw_with_python("report.html", kReportScript, options.out)) {
     fmt::print("{}\n", *problem);
   } else {
     fmt::print("report: {}\n", (options.out / "report.html").string());

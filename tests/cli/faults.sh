@@ -4,8 +4,8 @@
 
 expect 0 "black|other place|results in" \
   faults --trials 1 --lengths 2 --first-frame 12 --last-frame 12 --out a
-[ "$(wc -l <"$work/a/kidnapped.csv")" -eq 3 ] || { echo "FAIL: not two trials"; failures=$((failures + 1)); }
-grep -q '"holds": true' "$work/a/summary.json" || { echo "FAIL: no summary"; failures=$((failures + 1)); }
+[ "$(wc -l <"$work/a/kidnapped.csv")" -eq 3 ] || fail "not two trials"
+grep -q '"holds": true' "$work/a/summary.json" || fail "no summary"
 expect 2 "--last-frame lies before" faults --first-frame 9 --last-frame 8 --out b
 expect 2 "expected seven-scenes:DIR" faults --source kitti:here --out b
 expect 3 "nowhere" faults --source seven-scenes:nowhere --out b

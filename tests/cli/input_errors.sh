@@ -71,7 +71,6 @@ expect 3 "frame-000000.pose.txt:2|expected 4 numbers" run seven-scenes:scenes --
 expect 3 "pictures|number 90 on" run video:pictures --camera camera.yaml --first-frame 90 --out out
 
 if [ -e "$work/out" ]; then
-  echo "FAIL: a refused run left files in --out"
-  failures=$((failures + 1))
+  fail "a refused run left files in --out"
 fi
 finish

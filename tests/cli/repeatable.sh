@@ -9,8 +9,7 @@ run() {
 log_hash() { grep -o '"log_hash": "[0-9a-f]*"' "$work/$1/summary.json"; }
 check() {
   "${@:2}" && return
-  echo "FAIL: $1"
-  failures=$((failures + 1))
+  fail "$1"
 }
 
 run 1 a "" || failures=1

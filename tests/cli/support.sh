@@ -4,23 +4,35 @@ sim=$(realpath "$1")
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failures=0
+environment=() # NAME=VALUE of the program's environment
 
-# expect CODE "TEXT|TEXT..." ARGUMENTS...: the program ends with CODE and says every TEXT.
+fail() {
+  echo "FAIL: $1"
+  failures=$((failures + 1))
+}
+
+# expect CODE "TEXT|TEXT..." ARGUMENTS...: the program ends with CODE and says every TEXT. What it
+# said is in `output`.
 expect() {
-  local code=$1 texts=$2 output result text
+  local code=$1 texts=$2 result text
   shift 2
-  output=$(cd "$work" && "$sim" "$@" 2>&1 </dev/null)
+  output=$(cd "$work" && env "${environment[@]}" "$sim" "$@" 2>&1 </dev/null)
   result=$?
   if [ "$result" -ne "$code" ]; then
-    echo "FAIL: cairn_sim $*: exit code $result, expected $code: $output"
-    failures=$((failures + 1))
+    fail "cairn_sim $*: exit code $result, expected $code: $output"
   fi
   while IFS= read -r text; do
     if ! grep -qF -- "$text" <<<"$output"; then
-      echo "FAIL: cairn_sim $*: '$text' is not in: $output"
-      failures=$((failures + 1))
+      fail "cairn_sim $*: '$text' is not in: $output"
     fi
   done < <(tr '|' '\n' <<<"$texts")
+}
+
+# skip REASON: ends as skipped, unless something failed before.
+skip() {
+  [ "$failures" -eq 0 ] || finish
+  echo "skipped: $1"
+  exit 77
 }
 
 finish() {

@@ -5,7 +5,7 @@
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/run/registration_error.hpp"
-#include "host_sim/run/report.hpp"
+#include "host_sim/run/report.py.hpp"
 #include "host_sim/run/run_outputs.hpp"
 #include "host_sim/run/runner.hpp"
 #include "host_sim/run/statistics.hpp"
@@ -201,7 +201,7 @@ TEST(Runner, WritesTheContractsFilesWithTrueFigures) {
   EXPECT_NEAR(estimate[15].pose.translation.y() - truth[15].pose.translation.y(), 0.05, 1e-7);
   EXPECT_FALSE(run.record.overlay.empty());
   EXPECT_TRUE(std::filesystem::exists(run.record.overlay));
-  const auto problem = write_report(folder.path());
+  const auto problem = draw_with_python("report.html", kReportScript, folder.path());
   if (problem.has_value()) GTEST_SKIP() << *problem;
   EXPECT_GT(std::filesystem::file_size(folder.path() / "report.html"), 20000U);
 }

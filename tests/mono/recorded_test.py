@@ -18,6 +18,7 @@ def main():
     program, shared = sys.argv[1], Path(sys.argv[2])
     recording = shared / "data/seven_scenes_redkitchen"
     if not recording.is_dir():
+        print(f"skipped: no {recording}")
         sys.exit(77)
     failed = False
     for first in (0, 150, 153):

@@ -64,6 +64,12 @@ def build_plugin(out):
     return library
 
 
+def plugin_refusal(library):
+    """Why the emulator takes no plugin, None where it does: some are built without plugins."""
+    done = subprocess.run(["qemu-system-arm", "-plugin", library, "-version"], capture_output=True, text=True)
+    return done.stderr.strip() if done.returncode else None
+
+
 def count_blocks(target, image, log, out, plugin):
     """Replays with the plugin: (ELF file, CSV file, text of the replay)."""
     elf = target.program(f"replay_{image}")

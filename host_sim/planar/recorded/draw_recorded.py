@@ -8,8 +8,10 @@ import json
 import pathlib
 import sys
 
-import matplotlib
-
+try:
+    import matplotlib
+except ImportError:
+    sys.exit(4)
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
@@ -97,8 +99,8 @@ def main():
     if len(sys.argv) != 2:
         sys.exit("usage: draw_recorded.py FOLDER")
     folder = pathlib.Path(sys.argv[1])
-    summary = json.loads((folder / "summary.json").read_text())
-    manifest = json.loads((folder / "manifest.json").read_text())
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
     samples = columns(folder / "samples.csv")
     field, error = draw_field(samples, columns(folder / "landmarks.csv"),
                               summary["trajectory"]["aligned"] == "se2")
@@ -111,7 +113,7 @@ def main():
         f"<div class='side'>{field}{draw_errors(samples, error, summary['nees'] is not None)}</div>"
         f"<h2>Figures</h2>{table(summary)}<p>{html.escape(manifest['command'])}</p>"
     )
-    (folder / "report.html").write_text(page)
+    (folder / "report.html").write_text(page, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 #include "host_sim/planar/recorded/recorded_files.hpp"
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 
@@ -11,6 +10,7 @@
 #include "cairn/base/hash.hpp"
 #include "cairn/numeric/math.hpp"
 
+#include "host_sim/planar/recorded/draw_recorded.py.hpp"
 #include "host_sim/run/build_info.hpp"
 #include "host_sim/run/names.hpp"
 #include "host_sim/run/statistics.hpp"
@@ -184,18 +184,6 @@ json health_json(const Health& health) {
           {"reacquisitions", health.reacquisitions}};
 }
 
-void draw(const fs::path& out) {
-  const fs::path script = fs::path(CAIRN_PLANAR_SCRIPTS) / "recorded" / "draw_recorded.py";
-  for (const char* interpreter : {"python3", "/usr/bin/python3"}) {
-    const std::string probe = fmt::format("{} -c 'import matplotlib' >/dev/null 2>&1", interpreter);
-    if (std::system(probe.c_str()) != 0) continue;
-    const std::string command =
-        fmt::format("{} '{}' '{}'", interpreter, script.string(), out.string());
-    if (std::system(command.c_str()) == 0) return;
-  }
-  fmt::print(stderr, "report.html not made: no python3 with matplotlib\n");
-}
-
 }  // namespace
 
 json recorded_summary(const Recording& recording, const RecordedRunOptions& options,
@@ -257,7 +245,9 @@ void write_recorded_run(const Recording& recording, const RecordedRunOptions& op
   write_map(recording, run, out);
   write_frames(run, out);
   write_json(recorded_summary(recording, options, run), out / "summary.json");
-  draw(out);
+  if (const auto problem = draw_with_python("report.html", kRecordedScript, out)) {
+    fmt::print(stderr, "{}\n", *problem);
+  }
 }
 
 }  // namespace cairn::host

@@ -337,7 +337,9 @@ int main(int argc, char** argv) {
     count_patch(name, image);
   }
   if (images == 0) {
-    write("no expected outputs there\n");
+    write("skipped: no expected outputs in ");
+    write(folder);
+    write("\n");
     return 77;
   }
   if (count) {

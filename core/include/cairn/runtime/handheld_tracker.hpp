@@ -53,7 +53,7 @@ class HandheldTracker {
   using Places = Relocaliser<LibraryConfig>;
 
   /// The defaults of the members but for these: landmarks are found by their patches, and a pixel's
-  /// standard deviation is 0.7 (docs/reference/turntable-results.md has the comparison). A place is
+  /// standard deviation is 0.7 (docs/results/handheld.md has the comparison). A place is
   /// looked up with weak corners and few matches: what is found is a proposal, to be confirmed.
   struct Parameters {
     Parameters() {
