@@ -12,8 +12,6 @@
 
 #include <fmt/format.h>
 
-extern char** environ;
-
 namespace cairn::host {
 namespace {
 
@@ -116,6 +114,7 @@ ChildEnd run_child(const std::vector<std::string>& command, const std::string& i
   const StandardFiles files(input_file, output_file, errors_file);
   std::vector<std::string> words = command;
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
 
