@@ -1,12 +1,13 @@
 #include "host_sim/planar/core_filters.hpp"
 
 #include <stdexcept>
+#include <tuple>
 
 #include <fmt/format.h>
 
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 
 namespace cairn::host {
 namespace {
@@ -19,17 +20,21 @@ LandmarkId to_id(int landmark) {
   return static_cast<LandmarkId>(landmark + 1);
 }
 
-template <class Filter>
+/// `More`: further settings of the filter's initialise().
+template <class Filter, class... More>
 class SimulatedCoreFilter final : public PlanarFilter {
  public:
-  explicit SimulatedCoreFilter(bool exact_moments = false) : filter_(std::make_unique<Filter>()) {
+  explicit SimulatedCoreFilter(const More&... more)
+      : filter_(std::make_unique<Filter>()), more_(more...) {
     parameters_.gate = 1e30;
     parameters_.reacquire_after = 0;
-    parameters_.exact_moments = exact_moments;
   }
 
   void initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) override {
-    check(filter_->initialise(pose, covariance, parameters_), "initialise");
+    const auto start = [&](const More&... more) {
+      return filter_->initialise(pose, covariance, parameters_, more...);
+    };
+    check(std::apply(start, more_), "initialise");
   }
   void predict(const Increment& step) override { check(filter_->predict(step), "predict"); }
 
@@ -64,6 +69,7 @@ class SimulatedCoreFilter final : public PlanarFilter {
  private:
   std::unique_ptr<Filter> filter_;
   PlanarParameters<double> parameters_;
+  std::tuple<More...> more_;
   std::vector<PointObservation<double>> observations_;
 };
 
@@ -82,7 +88,10 @@ std::unique_ptr<PlanarFilter> make_core_lifted_iekf() {
 }
 
 std::unique_ptr<PlanarFilter> make_core_lifted_iekf_moments() {
-  return std::make_unique<SimulatedCoreFilter<LiftedIekfSlam<double, kSimulatedCapacity>>>(true);
+  LiftedParameters lifted;
+  lifted.exact_moments = true;
+  using Filter = LiftedIekfSlam<double, kSimulatedCapacity>;
+  return std::make_unique<SimulatedCoreFilter<Filter, LiftedParameters>>(lifted);
 }
 
 }  // namespace cairn::host

@@ -8,7 +8,7 @@
 // The counting scalar must be known before the filters' templates are read.
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 
 #include "host_sim/planar/core_filters.hpp"
 
@@ -59,18 +59,18 @@ void update(Filter& filter, const SimulatedStep& step, double sigma) {
   }
 }
 
-template <class Filter>
-OperationCount count(const SimulationConfig& config, bool exact_moments = false) {
+/// `more`: further settings of the filter's initialise().
+template <class Filter, class... More>
+OperationCount count(const SimulationConfig& config, const More&... more) {
   const SimulatedRun run = simulate_run(config, 1, 0);
   const auto filter = std::make_unique<Filter>();
   PlanarParameters<Counted> parameters;
   parameters.gate = 1e30;
   parameters.reacquire_after = 0;
-  parameters.exact_moments = exact_moments;
   cairn::PlanarPose<Counted> start;
   start.position = run.estimated_start.position.cast<Counted>();
   start.heading = run.estimated_start.heading;
-  (void)filter->initialise(start, run.start_covariance.cast<Counted>(), parameters);
+  (void)filter->initialise(start, run.start_covariance.cast<Counted>(), parameters, more...);
 
   double predict = 0.0;
   double update_sum = 0.0;
@@ -108,7 +108,9 @@ OperationCount count_operations(const std::string& filter, const SimulationConfi
     return count<LiftedIekfSlam<Counted, kSimulatedCapacity>>(simulation);
   }
   if (filter == "lifted-iekf-moments") {
-    return count<LiftedIekfSlam<Counted, kSimulatedCapacity>>(simulation, true);
+    LiftedParameters lifted;
+    lifted.exact_moments = true;
+    return count<LiftedIekfSlam<Counted, kSimulatedCapacity>>(simulation, lifted);
   }
   return {kUnknown, kUnknown};
 }

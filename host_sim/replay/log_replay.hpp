@@ -8,7 +8,7 @@
 #include "cairn/base/config.hpp"
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 #include "cairn/runtime/replay.hpp"
 
 /// Replay of an input log on the tracker that its header names. Core and standard library alone:

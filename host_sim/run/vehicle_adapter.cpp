@@ -4,7 +4,7 @@
 
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 #include "cairn/runtime/replay.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
 

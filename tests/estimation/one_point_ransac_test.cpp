@@ -24,12 +24,12 @@ struct Clustered {
   int good;
   int calls = 0;
 
-  int operator()(int candidate, bool* supporters) {
+  int operator()(int candidate, bool* inliers) {
     ++calls;
     int support = 0;
     for (int i = 0; i < count; ++i) {
-      supporters[i] = candidate < good ? i < good : i == candidate;
-      support += supporters[i] ? 1 : 0;
+      inliers[i] = candidate < good ? i < good : i == candidate;
+      support += inliers[i] ? 1 : 0;
     }
     return support;
   }
@@ -51,17 +51,17 @@ TEST(OnePointRansac, FindsTheClusterAmongHalfOutliersInEverySeed) {
     const auto result = one_point_ransac<24>(24, {}, random, half);
     EXPECT_TRUE(result.consensus) << seed;
     EXPECT_LE(half.calls, 16);
-    for (int i = 0; i < 24; ++i) EXPECT_EQ(result.supporters[i], i < 12);
+    for (int i = 0; i < 24; ++i) EXPECT_EQ(result.inliers[i], i < 12);
   }
 }
 
 TEST(OnePointRansac, CandidatesAreDrawnOnceEach) {
   Random random(9);
   bool seen[16] = {};
-  auto lonely = [&](int candidate, bool* supporters) {
+  auto lonely = [&](int candidate, bool* inliers) {
     EXPECT_FALSE(seen[candidate]);
     seen[candidate] = true;
-    supporters[candidate] = true;
+    inliers[candidate] = true;
     return 1;
   };
   const auto result = one_point_ransac<16>(16, {}, random, lonely);

@@ -2,7 +2,7 @@
 
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 
 #include "planar_world.hpp"
 
@@ -21,14 +21,13 @@ struct Outcome {
   double rmse_m = 0;  ///< of the second loop
 };
 
-template <class Filter>
-Outcome second_loop(const std::vector<Drive>& drives,
-                    PlanarParameters<double> parameters = planar_test::ungated<double>()) {
+template <class Filter, class... More>
+Outcome second_loop(const std::vector<Drive>& drives, const More&... more) {
   Outcome out;
   int count = 0;
   for (const Drive& d : drives) {
     Filter filter;
-    EXPECT_TRUE(ok(start(filter, d, parameters)));
+    EXPECT_TRUE(ok(start(filter, d, planar_test::ungated<double>(), more...)));
     int k = 0;
     for (const Step& step : d.steps) {
       feed(filter, d, step);
@@ -59,7 +58,7 @@ TEST(KnownStart, LiftedFilterDriftsAndTheGroupFormDoesNot) {
   s.landmarks = 20;
   std::vector<Drive> drives;
   for (unsigned seed = 0; seed < 12; ++seed) drives.push_back(make_drive(400 + seed, s));
-  auto moments = planar_test::ungated<double>();
+  LiftedParameters moments;
   moments.exact_moments = true;
   std::vector<Drive> few(drives.begin(), drives.begin() + 4);
 

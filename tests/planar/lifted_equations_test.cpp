@@ -1,12 +1,11 @@
-#include "cairn/planar/detail/lifted_equations.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "cairn/planar/detail/trigonometric_moments.hpp"
+#include "cairn/planar/lifted/equations.hpp"
+#include "cairn/planar/lifted/trigonometric_moments.hpp"
 
 namespace cairn {
 namespace {

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 
 #include "reduced_lifted_reference.hpp"
 
@@ -32,9 +32,9 @@ TEST_P(LiftedFilter, EqualsReducedFilter) {
   const Drive d = make_drive(21, s);
   LiftedIekfSlam<double, 12> filter;
   ReducedLifted reference(d, GetParam().moments);
-  auto parameters = planar_test::ungated<double>();
-  parameters.exact_moments = GetParam().moments;
-  ASSERT_TRUE(ok(start(filter, d, parameters)));
+  LiftedParameters lifted;
+  lifted.exact_moments = GetParam().moments;
+  ASSERT_TRUE(ok(start(filter, d, planar_test::ungated<double>(), lifted)));
   double worst_pose = 0;
   double worst_covariance = 0;
   for (const Step& step : d.steps) {

@@ -4,7 +4,7 @@
 
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 
 #include "planar_world.hpp"
 #include "vga_camera.hpp"
@@ -314,13 +314,13 @@ TEST(PlanarCamera, RowsAgreeWithDifferences) {
   PinholeCamera<double> camera = test::vga_camera<double>();
   camera.k1 = -0.1;
   camera.p1 = 1e-3;
-  detail::CameraView<double> view(camera, mounting(0.3, 0.2, {0.3, 0.1, 0.5}), 1.0);
+  CameraView<double> view(camera, mounting(0.3, 0.2, {0.3, 0.1, 0.5}), 1.0);
   sin_cos(0.8, view.frame.sine, view.frame.cosine);
-  const detail::RelativeCovariance<double> covariance;
+  const RelativeCovariance<double> covariance;
   const double relative[3] = {2.4, 3.1, 1.3};
-  detail::MeasurementPair<double, 3> pair;
+  LinearisedObservation<double, 3> pair;
   Vector3<double> p_camera;
-  ASSERT_TRUE(detail::linearise(view, relative, covariance, pair, p_camera));
+  ASSERT_TRUE(view.linearise(relative, covariance, pair, p_camera));
   for (int k = 0; k < 3; ++k) {
     const double h = 1e-6;
     double up[3] = {relative[0], relative[1], relative[2]};
@@ -336,24 +336,26 @@ TEST(PlanarCamera, RowsAgreeWithDifferences) {
 }
 
 TEST(PlanarRangeBearing, RowsAgreeWithDifferences) {
-  detail::RelativeFrame<double> frame;
+  RelativeFrame<double> frame;
   sin_cos(-2.1, frame.sine, frame.cosine);
   const double relative[2] = {-1.4, 2.2};
   RangeBearingObservation<double> o;
   o.sigma_range = 0.1;
   o.sigma_bearing = 0.01;
-  detail::MeasurementPair<double, 2> pair;
-  ASSERT_TRUE(detail::linearise(o, 0.35, frame, relative, pair));
+  const RangeBearingSensor<double> sensor{0.35};
+  const RelativeCovariance<double> none;
+  LinearisedObservation<double, 2> pair;
+  ASSERT_TRUE(sensor.linearise(o, frame, relative, none, pair));
   for (int k = 0; k < 2; ++k) {
     const double h = 1e-6;
     double up[2] = {relative[0], relative[1]};
     double down[2] = {relative[0], relative[1]};
     up[k] += h;
     down[k] -= h;
-    detail::MeasurementPair<double, 2> a;
-    detail::MeasurementPair<double, 2> b;
-    ASSERT_TRUE(detail::linearise(o, 0.35, frame, up, a));
-    ASSERT_TRUE(detail::linearise(o, 0.35, frame, down, b));
+    LinearisedObservation<double, 2> a;
+    LinearisedObservation<double, 2> b;
+    ASSERT_TRUE(sensor.linearise(o, frame, up, none, a));
+    ASSERT_TRUE(sensor.linearise(o, frame, down, none, b));
     for (int r = 0; r < 2; ++r) {
       EXPECT_NEAR(pair.h[r][k], -(a.innovation[r] - b.innovation[r]) / (2 * h), 1e-7);
     }

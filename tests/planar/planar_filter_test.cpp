@@ -273,9 +273,9 @@ TEST(LiftedIekfSlam, MisprintsAreFatal) {
   const Drive d = make_drive(3, s);
   const auto rmse = [&](unsigned misprints) {
     LiftedIekfSlam<double, 20> filter;
-    auto parameters = planar_test::ungated<double>();
-    parameters.misprints = misprints;
-    EXPECT_TRUE(ok(start(filter, d, parameters)));
+    LiftedParameters lifted;
+    lifted.misprints = misprints;
+    EXPECT_TRUE(ok(start(filter, d, planar_test::ungated<double>(), lifted)));
     double square = 0;
     for (const Step& step : d.steps) {
       feed(filter, d, step);

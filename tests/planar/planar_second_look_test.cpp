@@ -5,7 +5,7 @@
 
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 
 #include "vga_camera.hpp"
 
@@ -74,7 +74,7 @@ TYPED_TEST(SecondLook, LeavesOutWhatHasNoPixelAndUsesTheOthersOnce) {
   EXPECT_EQ(report.nis_dof, 6);
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(matches[static_cast<std::size_t>(i)].inlier, i != this->kNear);
-    EXPECT_EQ(this->filter_.landmark_statistics(i).seen, i == this->kNear ? 1U : 2U);
+    EXPECT_EQ(this->filter_.landmark_statistics(i).measured, i == this->kNear ? 1U : 2U);
   }
   EXPECT_NEAR(this->filter_.pose().position.x(), this->kAhead, 0.005);
 }

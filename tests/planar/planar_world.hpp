@@ -8,6 +8,7 @@
 
 #include "cairn/numeric/math.hpp"
 #include "cairn/planar/increment.hpp"
+#include "cairn/planar/observation/point.hpp"
 #include "cairn/planar/types.hpp"
 
 namespace cairn::planar_test {
@@ -126,15 +127,16 @@ PlanarIncrement<T> cast_increment(const PlanarIncrement<double>& d) {
   return increment;
 }
 
-template <class Filter>
+/// Starts a filter where a drive does; `more` are further settings of its initialise().
+template <class Filter, class... More>
 Status start(Filter& filter, const Drive& drive,
-             PlanarParameters<typename Filter::Scalar> parameters = {}) {
+             PlanarParameters<typename Filter::Scalar> parameters = {}, const More&... more) {
   using T = typename Filter::Scalar;
   PlanarPose<T> pose;
   pose.position = drive.start_estimate.template head<2>().cast<T>();
   pose.heading = static_cast<T>(drive.start_estimate(2));
   const Matrix3<T> covariance = drive.start_covariance.template cast<T>();
-  return filter.initialise(pose, covariance, parameters);
+  return filter.initialise(pose, covariance, parameters, more...);
 }
 
 /// Noise covariance of a sighting: isotropic, which makes references in the two frames comparable.

@@ -3,14 +3,16 @@
 #include "cairn/base/config.hpp"
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 
 namespace cairn {
 
-template class EkfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
-template class EkfSlam<double, DefaultConfig::kMaxLandmarks, 2>;
-template class GroupIekfSlam<float, DefaultConfig::kMaxLandmarks, 3>;
-template class GroupIekfSlam<double, DefaultConfig::kMaxLandmarks, 2>;
+template class PlanarSlam<WorldErrorModel<float, DefaultConfig::kMaxLandmarks, 3>>;
+template class PlanarSlam<WorldErrorModel<double, DefaultConfig::kMaxLandmarks, 2>>;
+template class PlanarSlam<GroupErrorModel<float, DefaultConfig::kMaxLandmarks, 3>>;
+template class PlanarSlam<GroupErrorModel<double, DefaultConfig::kMaxLandmarks, 2>>;
+template class PlanarSlam<LiftedErrorModel<float, TinyConfig::kMaxLandmarks, 3>>;
+template class PlanarSlam<LiftedErrorModel<double, TinyConfig::kMaxLandmarks, 2>>;
 template class LiftedIekfSlam<float, TinyConfig::kMaxLandmarks, 3>;
 template class LiftedIekfSlam<double, TinyConfig::kMaxLandmarks, 2>;
 

@@ -7,6 +7,7 @@
 #include "cairn/base/health.hpp"
 #include "cairn/estimation/observation.hpp"
 #include "cairn/planar/increment.hpp"
+#include "cairn/planar/observation/range_bearing.hpp"
 #include "cairn/planar/types.hpp"
 
 #include "host_sim/planar/planar_types.hpp"

@@ -9,15 +9,15 @@ namespace cairn {
 struct OnePointRansacParameters {
   float probability = 0.99F;           ///< wanted chance that one hypothesis is free of outliers
   int max_hypotheses = 16;             ///< bound of the work
-  int min_support = 5;                 ///< fewer supporters: no consensus
+  int min_support = 5;                 ///< fewer inliers: no consensus
   float min_support_fraction = 0.25F;  ///< smaller share of the candidates: no consensus
 };
 
-/// Outcome of one_point_ransac(). `supporters[i]` tells whether candidate i agrees with the best
+/// Outcome of one_point_ransac(). `inliers[i]` tells whether candidate i agrees with the best
 /// hypothesis; meaningful up to the candidate count only.
 template <int Capacity>
 struct OnePointRansacResult {
-  bool supporters[Capacity] = {};
+  bool inliers[Capacity] = {};
   int support = 0;
   int candidate = -1;      ///< of the best hypothesis
   int hypotheses = 0;      ///< evaluated
@@ -38,8 +38,8 @@ inline int hypotheses_needed(float probability, float inlier_share, int limit) {
 }
 
 /// 1-point RANSAC: the filter's prior replaces all but one measurement of a minimal set. Draws
-/// candidates without replacement; `evaluate(candidate, supporters)` forms the hypothesis of one
-/// candidate, marks its supporters and returns their number. The count of hypotheses is
+/// candidates without replacement; `evaluate(candidate, inliers)` forms the hypothesis of one
+/// candidate, marks its inliers and returns their number. The count of hypotheses is
 /// re-evaluated after every one (with the published MATLAB code it never is). Domain: 0 <= count <=
 /// Capacity. Cost: at most min(count, max_hypotheses) calls of `evaluate`.
 ///
@@ -58,13 +58,13 @@ OnePointRansacResult<Capacity> one_point_ransac(int count,
     const int candidate = order[pick];
     order[pick] = order[k];
     order[k] = candidate;
-    bool supporters[Capacity] = {};
-    const int support = evaluate(candidate, supporters);
+    bool inliers[Capacity] = {};
+    const int support = evaluate(candidate, inliers);
     ++best.hypotheses;
     if (support <= best.support) continue;
     best.support = support;
     best.candidate = candidate;
-    for (int i = 0; i < count; ++i) best.supporters[i] = supporters[i];
+    for (int i = 0; i < count; ++i) best.inliers[i] = inliers[i];
     const float share = static_cast<float>(support) / static_cast<float>(count);
     needed = hypotheses_needed(parameters.probability, share, needed);
   }

@@ -223,7 +223,7 @@ class MonoEkf {
   Status check_matches(const PixelMatch<T>* matches, int count) const;
   void count_visibility();
   int evaluate_hypothesis(const PixelMatch<T>* matches, int count, int candidate,
-                          bool* supporters) const;
+                          bool* inliers) const;
   void adapt_memory(const PixelMatch<T>* matches, int count, const bool* use);
   int apply(PixelMatch<T>* matches, int count, const bool* use, UpdateReport& report);
   void correct_state(const T* delta);

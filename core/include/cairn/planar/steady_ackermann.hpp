@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/planar/increment.hpp"
+#include "cairn/planar/reading_low_pass.hpp"
 
 namespace cairn {
 
@@ -12,7 +13,7 @@ template <class T>
 class SteadyAckermann {
  public:
   /// `steady_s`: time constant of the low pass, s, >= 0; 0 linearises at the reading.
-  explicit SteadyAckermann(T steady_s) : steady_s_(steady_s) {}
+  explicit SteadyAckermann(T steady_s) : low_pass_(steady_s) {}
 
   /// Arguments, domain and refusal as ackermann_increment(). A refused reading does not enter the
   /// low pass.
@@ -21,20 +22,15 @@ class SteadyAckermann {
     PlanarIncrement<T> increment =
         ackermann_increment(v, phi, dt, wheelbase, sigma_v, sigma_phi, model);
     if (!ok(validate(increment))) return increment;
-    const T share = !has_reading_ ? T(1) : dt > T(0) ? dt / (dt + steady_s_) : T(0);
-    v_ += share * (v - v_);
-    phi_ += share * (phi - phi_);
-    has_reading_ = true;
-    increment.covariance =
-        ackermann_increment(v_, phi_, dt, wheelbase, sigma_v, sigma_phi, model).covariance;
+    low_pass_.add(v, phi, dt);
+    increment.covariance = ackermann_increment(low_pass_.speed(), low_pass_.turn(), dt, wheelbase,
+                                               sigma_v, sigma_phi, model)
+                               .covariance;
     return increment;
   }
 
  private:
-  T steady_s_;
-  T v_ = T(0);
-  T phi_ = T(0);
-  bool has_reading_ = false;
+  ReadingLowPass<T> low_pass_;
 };
 
 }  // namespace cairn

@@ -44,7 +44,7 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::count_visibility() {
 template <class T, int MaxFeatures, int MaxAnchors>
 int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_hypothesis(const PixelMatch<T>* matches,
                                                              int count, int candidate,
-                                                             bool* supporters) const {
+                                                             bool* inliers) const {
   const PixelMatch<T>& match = matches[candidate];
   Vector2<T> pixel;
   Rows2 rows;
@@ -74,7 +74,7 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_hypothesis(const PixelMatch<T>
     if (!ok(pixel_at(x, matches[j].slot, expected))) continue;
     const Vector2<T> difference = matches[j].pixel - expected;
     if (!(difference.dot(difference) < limit)) continue;
-    supporters[j] = true;
+    inliers[j] = true;
     ++support;
   }
   return support;
@@ -229,8 +229,8 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int c
   report = UpdateReport{};
   report.matches = count;
   for (int i = 0; i < count; ++i) matches[i].inlier = false;
-  const auto evaluate = [&](int candidate, bool* supporters) {
-    return evaluate_hypothesis(matches, count, candidate, supporters);
+  const auto evaluate = [&](int candidate, bool* inliers) {
+    return evaluate_hypothesis(matches, count, candidate, inliers);
   };
   const OnePointRansacResult<MaxFeatures> best =
       one_point_ransac<MaxFeatures>(count, parameters_.ransac, random, evaluate);
@@ -239,8 +239,8 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int c
     if (count > 0) ++health_.ransac_no_consensus;
     return Status::kNoConsensus;
   }
-  if (parameters_.fading == FadingMode::kAdaptive) adapt_memory(matches, count, best.supporters);
-  report.low_innovation = apply(matches, count, best.supporters, report);
+  if (parameters_.fading == FadingMode::kAdaptive) adapt_memory(matches, count, best.inliers);
+  report.low_innovation = apply(matches, count, best.inliers, report);
   bool rescued[MaxFeatures];
   rescue(matches, count, rescued);
   report.high_innovation = apply(matches, count, rescued, report);

@@ -1,9 +1,16 @@
 #pragma once
 
 #include "cairn/planar/increment.hpp"
-#include "cairn/planar/types.hpp"
 
-namespace cairn::detail {
+namespace cairn {
+
+/// Misprints of paper A that can be put back. Errata: docs/explanation/errata-paper-a.md.
+enum Misprint : unsigned {
+  kMisprint18Row6 = 1U,  ///< (18) row 6: + z_i5 u2 instead of - z_i5 u2
+  kMisprint26Row5 = 2U,  ///< (26) row 5: - y_new z11 instead of + y_new z11
+};
+
+namespace detail {
 
 /// Paper A's lifted model, every equation as a function of its own, so that the tests can hold each
 /// against the true motion. With s = sin(heading), c = cos(heading):
@@ -143,4 +150,5 @@ void new_landmark(const T* z, T x, T y, T* out, unsigned misprints) {
   for (int i = 0; i < kLiftedLandmark; ++i) out[i] = x * by_x[i] + y * by_y[i] + at_vehicle[i];
 }
 
-}  // namespace cairn::detail
+}  // namespace detail
+}  // namespace cairn

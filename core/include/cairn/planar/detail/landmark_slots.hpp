@@ -7,7 +7,7 @@ namespace cairn::detail {
 /// Identities and statistics of the landmarks in a filter's state, by slot. Slots are dense: a
 /// removal moves the last landmark into the gap.
 template <int Capacity>
-class LandmarkTable {
+class LandmarkSlots {
  public:
   int size() const { return size_; }
   bool full() const { return size_ == Capacity; }
@@ -27,8 +27,8 @@ class LandmarkTable {
   void push(LandmarkId id, std::uint32_t update) {
     ids_[size_] = id;
     statistics_[size_] = LandmarkStatistics{};
-    statistics_[size_].seen = 1;
-    statistics_[size_].last_seen = update;
+    statistics_[size_].measured = 1;
+    statistics_[size_].last_measured = update;
     ++size_;
   }
 
@@ -38,17 +38,17 @@ class LandmarkTable {
     statistics_[slot] = statistics_[size_];
   }
 
-  /// Slot to give up: unused for the largest number of updates, at least `least_age`; then seen
+  /// Slot to give up: unused for the largest number of updates, at least `least_age`; then used
   /// least; then the lowest. -1 when there is none.
   int replaceable(std::uint32_t update, std::uint32_t least_age) const {
     int best = -1;
     std::uint32_t best_age = 0;
     for (int slot = 0; slot < size_; ++slot) {
-      const std::uint32_t age = update - statistics_[slot].last_seen;
+      const std::uint32_t age = update - statistics_[slot].last_measured;
       if (age < least_age || statistics_[slot].pinned) continue;
       const bool older = best < 0 || age > best_age;
       const bool rarer =
-          best >= 0 && age == best_age && statistics_[slot].seen < statistics_[best].seen;
+          best >= 0 && age == best_age && statistics_[slot].measured < statistics_[best].measured;
       if (older || rarer) {
         best = slot;
         best_age = age;

@@ -1,28 +1,29 @@
 #pragma once
 
-#include "cairn/planar/detail/trigonometric_moments.hpp"
+#include "cairn/planar/lifted/error_model.hpp"
+#include "cairn/planar/lifted/trigonometric_moments.hpp"
+
+// LiftedErrorModel: start, prediction, pose.
 
 namespace cairn {
 
-#define CAIRN_LIFTED_TEMPLATE template <class T, int MaxLandmarks, int LandmarkDim>
-#define CAIRN_LIFTED LiftedIekfSlam<T, MaxLandmarks, LandmarkDim>
-
-CAIRN_LIFTED_TEMPLATE
-Status CAIRN_LIFTED::initialise(const PlanarPose<T>& pose, const Matrix3<T>& covariance,
-                                const PlanarParameters<T>& parameters) {
-  const Status status = this->begin(pose, covariance, parameters);
-  if (!ok(status)) return status;
-  if (parameters.exact_moments) {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::start(const PlanarPose<T>& pose,
+                                                           const Matrix3<T>& covariance) {
+  landmarks_ = 0;
+  P_.resize(0);
+  P_.resize(kVehicle);
+  if (parameters_.exact_moments) {
     initial_moments(pose, covariance);
   } else {
     initial_jacobian(pose, covariance);
   }
-  return Status::kOk;
 }
 
 /// P(0) = J P0 J^T, rank 3. The paper leaves P(0) open.
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::initial_jacobian(const PlanarPose<T>& pose, const Matrix3<T>& covariance) {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::initial_jacobian(
+    const PlanarPose<T>& pose, const Matrix3<T>& covariance) {
   T s = T(0);
   T c = T(1);
   sin_cos(pose.heading, s, c);
@@ -42,14 +43,15 @@ void CAIRN_LIFTED::initial_jacobian(const PlanarPose<T>& pose, const Matrix3<T>&
       for (int a = 0; a < 3; ++a) {
         for (int b = 0; b < 3; ++b) sum += jacobian[i][a] * covariance(a, b) * jacobian[j][b];
       }
-      this->P_(i, j) = sum;
+      P_(i, j) = sum;
     }
   }
 }
 
 /// Exact mean and covariance of the lifted Gaussian start.
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::initial_moments(const PlanarPose<T>& pose, const Matrix3<T>& covariance) {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::initial_moments(const PlanarPose<T>& pose,
+                                                                     const Matrix3<T>& covariance) {
   using Mono = detail::TrigMonomial<T>;
   const Mono one = Mono::constant();
   const Mono s = Mono::sine(1);
@@ -65,37 +67,37 @@ void CAIRN_LIFTED::initial_moments(const PlanarPose<T>& pose, const Matrix3<T>& 
   const detail::TrigonometricMoments<T> moments(mean, ordered);
   for (int i = 0; i < kVehicle; ++i) {
     z_[i] = moments.mean(lifted[i]);
-    for (int j = 0; j <= i; ++j) this->P_(i, j) = moments.covariance(lifted[i], lifted[j]);
+    for (int j = 0; j <= i; ++j) P_(i, j) = moments.covariance(lifted[i], lifted[j]);
   }
 }
 
-CAIRN_LIFTED_TEMPLATE
-PlanarPose<T> CAIRN_LIFTED::pose() const {
+template <class T, int MaxLandmarks, int LandmarkDim>
+PlanarPose<T> LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::mean_pose() const {
   PlanarPose<T> pose;
   pose.position = {z_[0], z_[1]};
   pose.heading = atan2(z_[2], z_[3]);
   return pose;
 }
 
-CAIRN_LIFTED_TEMPLATE
-Matrix3<T> CAIRN_LIFTED::pose_covariance() const {
+template <class T, int MaxLandmarks, int LandmarkDim>
+Matrix3<T> LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::pose_covariance() const {
   const T norm = z_[2] * z_[2] + z_[3] * z_[3];
   const T by_s = z_[3] / norm;
   const T by_c = -z_[2] / norm;
-  const auto& P = this->P_;
   Matrix3<T> out;
   for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) out(i, j) = P(i, j);
-    out(i, 2) = by_s * P(i, 2) + by_c * P(i, 3);
+    for (int j = 0; j < 2; ++j) out(i, j) = P_(i, j);
+    out(i, 2) = by_s * P_(i, 2) + by_c * P_(i, 3);
     out(2, i) = out(i, 2);
   }
-  out(2, 2) = by_s * by_s * P(2, 2) + T(2) * by_s * by_c * P(3, 2) + by_c * by_c * P(3, 3);
+  out(2, 2) = by_s * by_s * P_(2, 2) + T(2) * by_s * by_c * P_(3, 2) + by_c * by_c * P_(3, 3);
   return out;
 }
 
-CAIRN_LIFTED_TEMPLATE
-Vector<T, LandmarkDim> CAIRN_LIFTED::landmark_position(int slot) const {
-  const T* zi = z_ + Base::state_of(slot);
+template <class T, int MaxLandmarks, int LandmarkDim>
+Vector<T, LandmarkDim> LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::mean_landmark(
+    int slot) const {
+  const T* zi = z_ + state_of(slot);
   Vector<T, LandmarkDim> p;
   p(0) = zi[0];
   p(1) = zi[1];
@@ -103,46 +105,44 @@ Vector<T, LandmarkDim> CAIRN_LIFTED::landmark_position(int slot) const {
   return p;
 }
 
-CAIRN_LIFTED_TEMPLATE
-Matrix<T, LandmarkDim, LandmarkDim> CAIRN_LIFTED::landmark_covariance(int slot) const {
-  const int first = Base::state_of(slot);
+template <class T, int MaxLandmarks, int LandmarkDim>
+Matrix<T, LandmarkDim, LandmarkDim>
+LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::landmark_covariance(int slot) const {
+  const int first = state_of(slot);
   const int index[3] = {first, first + 1, first + kLandmark - 1};
   Matrix<T, LandmarkDim, LandmarkDim> out;
   for (int i = 0; i < LandmarkDim; ++i) {
-    for (int j = 0; j < LandmarkDim; ++j) out(i, j) = this->P_(index[i], index[j]);
+    for (int j = 0; j < LandmarkDim; ++j) out(i, j) = P_(index[i], index[j]);
   }
   return out;
 }
 
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::hash(Hash64& hash) const {
-  for (int i = 0; i < this->P_.size(); ++i) hash.add(z_[i]);
-  this->hash_common(hash);
-}
-
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::transition(const detail::Monomials<T>& m, int block, const T* in, T* out) const {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::transition(const detail::Monomials<T>& m,
+                                                                int block, const T* in,
+                                                                T* out) const {
   if (block == 0) {
     detail::vehicle_transition(m, in, out);
     return;
   }
-  detail::landmark_transition(m, in, out, this->parameters_.misprints);
+  detail::landmark_transition(m, in, out, parameters_.misprints);
   if constexpr (LandmarkDim > 2) out[kLandmark - 1] = m.m[detail::kOne] * in[kLandmark - 1];
 }
 
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::transition_all(const detail::Monomials<T>& m, const T* in, T* out) const {
-  for (int block = 0; block <= this->table_.size(); ++block) {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::transition_all(const detail::Monomials<T>& m,
+                                                                    const T* in, T* out) const {
+  for (int block = 0; block <= landmarks_; ++block) {
     const int first = block_start(block);
     transition(m, block, in + first, out + first);
   }
 }
 
 /// out = A_row in A_column^T of one block, (17) and (19) with the cross blocks.
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::transition_block(const detail::Monomials<T>& m, int row_block, int column_block,
-                                    const T (&in)[kVehicle][kVehicle],
-                                    T (&out)[kVehicle][kVehicle]) const {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::transition_block(
+    const detail::Monomials<T>& m, int row_block, int column_block,
+    const T (&in)[kVehicle][kVehicle], T (&out)[kVehicle][kVehicle]) const {
   const int rows = block_size(row_block);
   const int columns = block_size(column_block);
   T half[kVehicle][kVehicle];
@@ -157,21 +157,20 @@ void CAIRN_LIFTED::transition_block(const detail::Monomials<T>& m, int row_block
 }
 
 /// P = A(mean) P A(mean)^T + sum_r A(noise_r) (P + z z^T) A(noise_r)^T, block by block in place.
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::transform_covariance(const detail::Monomials<T>& mean,
-                                        const detail::Monomials<T>* noise, int noise_count) {
-  auto& P = this->P_;
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::transform_covariance(
+    const detail::Monomials<T>& mean, const detail::Monomials<T>* noise, int noise_count) {
   T in[kVehicle][kVehicle];
   T sum[kVehicle][kVehicle];
   T part[kVehicle][kVehicle];
-  for (int row_block = 0; row_block <= this->table_.size(); ++row_block) {
+  for (int row_block = 0; row_block <= landmarks_; ++row_block) {
     const int row = block_start(row_block);
     const int rows = block_size(row_block);
     for (int column_block = 0; column_block <= row_block; ++column_block) {
       const int column = block_start(column_block);
       const int columns = block_size(column_block);
       for (int i = 0; i < rows; ++i) {
-        for (int j = 0; j < columns; ++j) in[i][j] = P(row + i, column + j);
+        for (int j = 0; j < columns; ++j) in[i][j] = P_(row + i, column + j);
       }
       transition_block(mean, row_block, column_block, in, sum);
       if (noise_count > 0) {
@@ -187,7 +186,7 @@ void CAIRN_LIFTED::transform_covariance(const detail::Monomials<T>& mean,
       }
       for (int i = 0; i < rows; ++i) {
         const int last = row_block == column_block ? i + 1 : columns;
-        for (int j = 0; j < last; ++j) P(row + i, column + j) = sum[i][j];
+        for (int j = 0; j < last; ++j) P_(row + i, column + j) = sum[i][j];
       }
     }
   }
@@ -195,9 +194,10 @@ void CAIRN_LIFTED::transform_covariance(const detail::Monomials<T>& mean,
 
 /// (16) to (19): mean by the lifted transition, noise by the Jacobians, all blocks driven by the
 /// same noise.
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::propagate(const PlanarIncrement<T>& increment) {
-  if (this->parameters_.exact_moments) {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::propagate(
+    const PlanarIncrement<T>& increment) {
+  if (parameters_.exact_moments) {
     propagate_moments(increment);
     return;
   }
@@ -206,19 +206,20 @@ void CAIRN_LIFTED::propagate(const PlanarIncrement<T>& increment) {
   T c = T(1);
   sin_cos(increment.turn_rad, s, c);
   const detail::Monomials<T> mean = detail::monomials(u, s, c);
-  T* by_distance = this->w_[0];
-  T* by_turn = this->w_[1];
+  T* by_distance = scratch_[0];
+  T* by_turn = scratch_[1];
   transition_all(detail::monomials_by_distance(u, s, c), z_, by_distance);
   transition_all(detail::monomials_by_turn(u, s, c), z_, by_turn);
   transform_covariance(mean, nullptr, 0);
   const Matrix2<T>& q = increment.covariance;
-  this->P_.downdate(by_distance, by_turn, -q(0, 0), -q(0, 1), -q(1, 1));
+  P_.downdate(by_distance, by_turn, -q(0, 0), -q(0, 1), -q(1, 1));
   transition_all(mean, z_, z_);
 }
 
 /// The same with exact moments: the noise multiplies the state, so it also meets P.
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::propagate_moments(const PlanarIncrement<T>& increment) {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::propagate_moments(
+    const PlanarIncrement<T>& increment) {
   using Mono = detail::TrigMonomial<T>;
   // In the half angle, so that the chord of the exact arc is a monomial too.
   const bool arc = increment.model == IncrementModel::kExactArc;
@@ -254,8 +255,9 @@ void CAIRN_LIFTED::propagate_moments(const PlanarIncrement<T>& increment) {
   transition_all(expected, z_, z_);
 }
 
-CAIRN_LIFTED_TEMPLATE
-void CAIRN_LIFTED::widen_pose_by(T position_variance, T heading_variance) {
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::widen_pose(T position_variance,
+                                                                T heading_variance) {
   detail::Monomials<T> forward;
   forward.m[detail::kUx] = T(1);
   forward.m[detail::kUxC] = T(1);
@@ -265,11 +267,11 @@ void CAIRN_LIFTED::widen_pose_by(T position_variance, T heading_variance) {
   detail::Monomials<T> turn;
   turn.m[detail::kS] = T(1);
   turn.m[detail::kSC] = T(1);
-  transition_all(forward, z_, this->w_[0]);
-  transition_all(left, z_, this->w_[1]);
-  transition_all(turn, z_, this->w_[2]);
-  this->P_.downdate(this->w_[0], this->w_[1], -position_variance, T(0), -position_variance);
-  this->P_.downdate(this->w_[2], -heading_variance);
+  transition_all(forward, z_, scratch_[0]);
+  transition_all(left, z_, scratch_[1]);
+  transition_all(turn, z_, scratch_[2]);
+  P_.downdate(scratch_[0], scratch_[1], -position_variance, T(0), -position_variance);
+  P_.downdate(scratch_[2], -heading_variance);
 }
 
 }  // namespace cairn

@@ -1,0 +1,161 @@
+#pragma once
+
+#include "cairn/planar/observation/camera_view.hpp"
+#include "cairn/planar/planar_slam.hpp"
+
+// PlanarSlam: start, prediction, what is read out.
+
+namespace cairn {
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::check_start(const PlanarPose<T>& pose, const Matrix3<T>& covariance,
+                                           const PlanarParameters<T>& parameters) {
+  if (!all_finite(pose.position) || !is_finite(pose.heading) || !all_finite(covariance)) {
+    return Status::kNonFiniteInput;
+  }
+  for (int i = 0; i < 3; ++i) {
+    if (!(covariance(i, i) >= T(0))) return Status::kInvalidArgument;
+    for (int j = 0; j < i; ++j) {
+      const T product = covariance(i, i) * covariance(j, j);
+      if (covariance(i, j) != covariance(j, i) ||
+          covariance(i, j) * covariance(i, j) > product * T(1.0001)) {
+        return Status::kInvalidArgument;
+      }
+    }
+  }
+  if (abs(pose.heading) > T(1e4)) return Status::kInvalidArgument;
+  const PlanarParameters<T>& p = parameters;
+  const bool sane =
+      p.gate > T(0) && p.ransac_threshold > T(0) && p.rescue_gate > T(0) &&
+      p.reacquire_after >= 0 && p.reacquire_landmark_after >= 1 && p.reacquire_steps >= 0 &&
+      p.reacquire_steps <= 20 && p.reacquire_position_m >= T(0) &&
+      p.reacquire_heading_rad >= T(0) && p.reacquire_landmark_m >= T(0) && p.replace_after >= 0 &&
+      p.ransac.max_hypotheses >= 1 && p.ransac.probability > 0.0F && p.ransac.probability < 1.0F;
+  return sane ? Status::kOk : Status::kBadConfig;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::initialise(const PlanarPose<T>& pose, const Matrix3<T>& covariance,
+                                          const PlanarParameters<T>& parameters) {
+  const Status status = check_start(pose, covariance, parameters);
+  if (!ok(status)) return status;
+  parameters_ = parameters;
+  health_ = Health{};
+  slots_.clear();
+  model_.start(pose, covariance);
+  updates_ = 0;
+  reacquisition_.clear();
+  initialised_ = true;
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::predict(const PlanarIncrement<T>& increment) {
+  if (!initialised_) return Status::kNotInitialised;
+  const Status status = validate(increment);
+  if (status == Status::kNonFiniteInput) ++health_.non_finite_inputs;
+  if (!ok(status)) return status;
+  model_.propagate(increment);
+  if (reacquisition_.take()) {
+    const T scale = static_cast<T>(1 << (reacquisition_.steps() - 1));
+    model_.widen_pose(square(scale * parameters_.reacquire_position_m),
+                      square(scale * parameters_.reacquire_heading_rad));
+    ++health_.reacquisitions;
+  }
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::widen_pose(T position_variance, T heading_variance) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!is_finite(position_variance) || !is_finite(heading_variance)) return Status::kNonFiniteInput;
+  if (position_variance < T(0) || heading_variance < T(0)) return Status::kInvalidArgument;
+  model_.widen_pose(position_variance, heading_variance);
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::predict_range_bearing(int slot, T sensor_offset_m, T sigma_range,
+                                                     T sigma_bearing,
+                                                     RangeBearingPrediction<T>& prediction) const {
+  if (!initialised_) return Status::kNotInitialised;
+  if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
+  if (!(sigma_range > T(0)) || !(sigma_bearing > T(0))) return Status::kInvalidArgument;
+  T relative[kLandmarkDim];
+  RelativeCovariance<T> covariance;
+  model_.relative(slot, relative);
+  model_.relative_covariance(slot, covariance);
+  // Innovations of a sighting at range and bearing zero are minus what is expected.
+  RangeBearingObservation<T> zero;
+  zero.sigma_range = sigma_range;
+  zero.sigma_bearing = sigma_bearing;
+  Linearised expected;
+  const RangeBearingSensor<T> sensor{sensor_offset_m};
+  if (!sensor.linearise(zero, model_.frame(), relative, covariance, expected)) {
+    return Status::kOutOfView;
+  }
+  const InnovationCovariance<T> s = innovation_covariance(expected, covariance);
+  prediction.range = -expected.innovation[0];
+  prediction.bearing = -expected.innovation[1];
+  prediction.covariance << s.s00, s.s01, s.s01, s.s11;
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::predict_pixel(int slot, const PinholeCamera<T>& camera,
+                                             const Rigid<T>& T_vehicle_camera, T sigma_px,
+                                             PixelPrediction<T>& prediction) const {
+  if constexpr (kLandmarkDim != 3) {
+    return Status::kInvalidArgument;
+  } else {
+    if (!initialised_) return Status::kNotInitialised;
+    if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
+    if (!(sigma_px > T(0))) return Status::kInvalidArgument;
+    CameraView<T> view(camera, T_vehicle_camera, sigma_px);
+    view.frame = model_.frame();
+    T relative[3];
+    RelativeCovariance<T> covariance;
+    model_.relative(slot, relative);
+    model_.relative_covariance(slot, covariance);
+    Linearised expected;
+    Vector3<T> p_camera;
+    if (!view.linearise(relative, covariance, expected, p_camera)) return Status::kOutOfView;
+    const Vector2<T> pixel(-expected.innovation[0], -expected.innovation[1]);
+    if (!camera.contains(pixel)) return Status::kOutOfView;
+    const InnovationCovariance<T> s = innovation_covariance(expected, covariance);
+    prediction.id = slots_.id(slot);
+    prediction.slot = slot;
+    prediction.pixel = pixel;
+    prediction.covariance << s.s00, s.s01, s.s01, s.s11;
+    prediction.p_camera = p_camera;
+    return Status::kOk;
+  }
+}
+
+template <class ErrorModel>
+typename PlanarSlam<ErrorModel>::LandmarkMatrix
+PlanarSlam<ErrorModel>::relative_landmark_covariance(int slot) const {
+  RelativeCovariance<T> relative;
+  model_.relative_covariance(slot, relative);
+  LandmarkMatrix out;
+  for (int i = 0; i < kLandmarkDim; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      out(i, j) = relative.s[i * (i + 1) / 2 + j];
+      out(j, i) = out(i, j);
+    }
+  }
+  return out;
+}
+
+template <class ErrorModel>
+void PlanarSlam<ErrorModel>::hash(Hash64& hash) const {
+  model_.hash_mean(hash);
+  hash.add(static_cast<std::int32_t>(slots_.size()));
+  for (int slot = 0; slot < slots_.size(); ++slot) hash.add(slots_.id(slot));
+  const auto& P = model_.covariance();
+  const int count = P.size() * (P.size() + 1) / 2;
+  for (int k = 0; k < count; ++k) hash.add(P.data()[k]);
+  if constexpr (ErrorModel::kDefersNoise) model_.hash_deferred(hash);
+}
+
+}  // namespace cairn

@@ -1,0 +1,180 @@
+#pragma once
+
+#include "cairn/planar/error_model/landmark_insertion.hpp"
+#include "cairn/planar/planar_slam.hpp"
+
+// PlanarSlam: landmarks come and go.
+
+namespace cairn {
+
+namespace detail {
+template <class T>
+inline constexpr T kFarthestLandmark = T(1e5);
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::check_landmark(const LandmarkVector& p,
+                                              const LandmarkMatrix& covariance) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!all_finite(p) || !all_finite(covariance)) {
+    ++health_.non_finite_inputs;
+    return Status::kNonFiniteInput;
+  }
+  if (!positive_definite(covariance)) return Status::kInvalidArgument;
+  for (int i = 0; i < kLandmarkDim; ++i) {
+    if (abs(p(i)) > detail::kFarthestLandmark<T>) return Status::kInvalidArgument;
+  }
+  return Status::kOk;
+}
+
+/// A slot for one more landmark, by replacement where the map is full; slots may move.
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (id == kNoLandmark) return Status::kInvalidArgument;
+  if (find(id) >= 0) return Status::kDuplicate;
+  if (replaced != nullptr) *replaced = kNoLandmark;
+  if (!slots_.full()) return Status::kOk;
+  const int slot =
+      parameters_.replace_after > 0
+          ? slots_.replaceable(updates_, static_cast<std::uint32_t>(parameters_.replace_after))
+          : -1;
+  if (slot < 0) {
+    ++health_.landmarks_refused;
+    return Status::kFull;
+  }
+  if (replaced != nullptr) *replaced = slots_.id(slot);
+  model_.remove_landmark(slot);
+  slots_.remove_unordered(slot);
+  ++health_.landmarks_replaced;
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+void PlanarSlam<ErrorModel>::enter(LandmarkId id, bool pinned) {
+  slots_.push(id, updates_);
+  slots_.statistics(slots_.size() - 1).pinned = pinned;
+  ++health_.landmarks_added;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::remove_landmark(int slot) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
+  model_.remove_landmark(slot);
+  slots_.remove_unordered(slot);
+  ++health_.landmarks_removed;
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::add_landmark(LandmarkId id, const LandmarkVector& y_vehicle,
+                                            const LandmarkMatrix& R, LandmarkId* replaced) {
+  const Status valid = check_landmark(y_vehicle, R);
+  if (!ok(valid)) return valid;
+  const Status status = make_room(id, replaced);
+  if (!ok(status)) return status;
+  update_.absorb_deferred_noise(model_);
+  model_.append_landmark(y_vehicle, R);
+  enter(id);
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::add_position(LandmarkId id) {
+  const Status status = make_room(id, nullptr);
+  if (!ok(status)) return status;
+  update_.absorb_deferred_noise(model_);
+  model_.append_position();
+  enter(id, true);
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::add_landmark_on_path(LandmarkId id, const LandmarkVector& y_vehicle,
+                                                    const LandmarkMatrix& R, LandmarkId past,
+                                                    const Matrix<T, kLandmarkDim, 2>& by_path,
+                                                    LandmarkId* replaced) {
+  const Status valid = check_landmark(y_vehicle, R);
+  if (!ok(valid)) return valid;
+  if (!all_finite(by_path)) return Status::kNonFiniteInput;
+  if (find(past) < 0) return Status::kNotFound;
+  const Status status = make_room(id, replaced);
+  if (!ok(status)) return status;
+  update_.absorb_deferred_noise(model_);
+  model_.append_landmark_on_path(y_vehicle, R, find(past), by_path);
+  enter(id);
+  return Status::kOk;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::add_world_landmark(LandmarkId id, const LandmarkVector& p_world,
+                                                  const LandmarkMatrix& covariance,
+                                                  LandmarkId reference, LandmarkId* replaced) {
+  if constexpr (!kHasWorldLandmarks) {
+    return Status::kInvalidArgument;
+  } else {
+    const Status valid = check_landmark(p_world, covariance);
+    if (!ok(valid)) return valid;
+    if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;
+    const Status status = make_room(id, replaced);
+    if (!ok(status)) return status;
+    update_.absorb_deferred_noise(model_);
+    detail::append_of_world(model_, p_world, covariance, find(reference));
+    enter(id);
+    return Status::kOk;
+  }
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::add_world_position(LandmarkId id, const LandmarkVector& p_world,
+                                                  const LandmarkMatrix& covariance,
+                                                  LandmarkId reference) {
+  const Status status = add_world_landmark(id, p_world, covariance, reference);
+  if (ok(status)) slots_.statistics(slots_.size() - 1).pinned = true;
+  return status;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::add_framed_landmark(LandmarkId id, const LandmarkVector& p_world,
+                                                   const LandmarkMatrix& covariance,
+                                                   LandmarkId origin, LandmarkId ahead,
+                                                   LandmarkId* replaced) {
+  if constexpr (!kHasWorldLandmarks) {
+    return Status::kInvalidArgument;
+  } else {
+    const Status valid = check_landmark(p_world, covariance);
+    if (!ok(valid)) return valid;
+    if (find(origin) < 0 || find(ahead) < 0) return Status::kNotFound;
+    T lambda[2];
+    if (!detail::place_in_frame(model_, p_world, find(origin), find(ahead), lambda)) {
+      return Status::kInvalidArgument;
+    }
+    const Status status = make_room(id, replaced);
+    if (!ok(status)) return status;
+    update_.absorb_deferred_noise(model_);
+    detail::append_of_frame(model_, p_world, covariance, find(origin), find(ahead), lambda);
+    enter(id);
+    return Status::kOk;
+  }
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::widen_frame(LandmarkId origin, LandmarkId ahead, T position_variance,
+                                           T heading_variance) {
+  if constexpr (!kHasWorldLandmarks) {
+    return Status::kInvalidArgument;
+  } else {
+    const int at_origin = find(origin);
+    const int at_ahead = find(ahead);
+    if (at_origin < 0 || at_ahead < 0) return Status::kNotFound;
+    const bool finite = is_finite(position_variance) && is_finite(heading_variance);
+    if (!finite || position_variance < T(0) || heading_variance < T(0)) {
+      return Status::kInvalidArgument;
+    }
+    detail::widen_frame(model_, at_origin, at_ahead, position_variance, heading_variance);
+    return Status::kOk;
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,341 @@
+#pragma once
+
+#include "cairn/planar/detail/deferred_noise.hpp"
+#include "cairn/planar/error_model/cartesian_map.hpp"
+#include "cairn/planar/error_model/group_action.hpp"
+#include "cairn/planar/error_model/group_moments.hpp"
+#include "cairn/planar/error_model/landmark_insertion.hpp"
+#include "cairn/planar/increment.hpp"
+
+namespace cairn {
+
+/// Error model of the right-invariant EKF: (e, xi_x, xi_i) in this order, e the error of the
+/// heading, xi = x - R(e) x^ for the vehicle and each landmark. The relative vector in the world's
+/// axes has the Jacobian C = [0, -I, +I] whatever the heading is, so that no information enters the
+/// directions that nothing measures; the transition is the identity.
+///
+/// Odometry noise is gathered in the 3x3 matrix W, exactly and in O(1): the covariance is P + B W
+/// B^T with B = [I3; -J p_i, 0], J = [0 -1; 1 0]. Interface: PlanarSlam.
+template <class T, int MaxLandmarks, int LandmarkDim>
+class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim> {
+  using Map = detail::CartesianMap<T, MaxLandmarks, LandmarkDim>;
+  using Rows = detail::ErrorRows<T, LandmarkDim>;
+  using Map::heading_;
+  using Map::P_;
+  using Map::p_;
+  using Map::x_;
+
+ public:
+  using typename Map::LandmarkMatrix;
+  using typename Map::LandmarkVector;
+  static constexpr int kPositionState = 1;
+  static constexpr int kHeadingState = 0;
+  static constexpr bool kDefersNoise = true;
+
+  void start(const PlanarPose<T>& pose, const Matrix3<T>& covariance);
+
+  /// Pose and landmarks are the exact moments of the Gaussian error (paper A's idea of reading the
+  /// lifted state out), in a frame anchored at the first estimate.
+  PlanarPose<T> pose() const;
+  Matrix3<T> pose_covariance() const;
+  LandmarkVector landmark_position(int slot) const;
+  LandmarkMatrix landmark_covariance(int slot) const;
+  T error_covariance(int i, int j) const { return P_(i, j) + deferred_covariance(i, j); }
+  void hash_deferred(Hash64& hash) const {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j <= i; ++j) hash.add(W_(i, j));
+    }
+  }
+
+  void propagate(const PlanarIncrement<T>& increment);
+  void widen_pose(T position_variance, T heading_variance);
+  detail::DeferredNoise<T> deferred_noise();
+  void deferred_noise_absorbed() {
+    W_.setZero();
+    deferred_ = false;
+  }
+
+  void relative_of(int slot, const T* v, T* out) const {
+    const T* l = v + Map::state_of(slot);
+    out[0] = l[0] - v[1];
+    out[1] = l[1] - v[2];
+    if constexpr (LandmarkDim > 2) out[2] = l[2];
+  }
+  void relative_covariance(int slot, RelativeCovariance<T>& out) const;
+  void relative_columns(int slot, T* __restrict c0, T* __restrict c1, T* __restrict c2) const;
+
+  using Retraction = detail::PlanarExponential<T>;
+  Retraction retraction(const T* d) const { return Retraction(d[0]); }
+  void relative_after(int slot, const T* d, const Retraction& v, T* out) const {
+    // R(t)^T V(t) = V(t)^T.
+    const T* l = d + Map::state_of(slot);
+    const T x = l[0] - d[1];
+    const T y = l[1] - d[2];
+    out[0] = p_[slot][0] - x_[0] + v.v00 * x + v.v01 * y;
+    out[1] = p_[slot][1] - x_[1] + v.v00 * y - v.v01 * x;
+    if constexpr (LandmarkDim > 2) out[2] = p_[slot][2] + l[2];
+  }
+  void correct(const T* d) {
+    const Retraction v(d[0]);
+    heading_ = wrap_angle(heading_ + v.angle);
+    v.template move<2>(x_, d + kPositionState, 1);
+    v.template move<LandmarkDim>(p_[0], d + Map::state_of(0), this->landmark_count());
+  }
+
+  void append_landmark(const LandmarkVector& y, const LandmarkMatrix& R) {
+    detail::append_seen(*this, y, R);
+  }
+  void append_position() { append_landmark(LandmarkVector::Zero(), LandmarkMatrix::Zero()); }
+  void append_landmark_on_path(const LandmarkVector& y, const LandmarkMatrix& R, int past,
+                               const Matrix<T, LandmarkDim, 2>& by_path) {
+    detail::append_seen_on_path(*this, y, R, past, by_path);
+  }
+  void rows_beside_vehicle(int, Rows& rows) const {
+    for (int i = 0; i < 2; ++i) rows.add(i, kPositionState + i, T(1));
+  }
+  /// xi = p - R(e) p^ of a point that does not turn with the error of the heading: -J p^ e.
+  void rows_in_world(int slot, Rows& rows, T weight) const {
+    rows.add(0, kHeadingState, weight * p_[slot][1]);
+    rows.add(1, kHeadingState, -(weight * p_[slot][0]));
+  }
+
+ private:
+  T heading_variance() const { return P_(0, 0) + W_(0, 0); }
+  T deferred_covariance(int i, int j) const;
+
+  Matrix3<T> W_ = Matrix3<T>::Zero();  ///< odometry noise since the last pass over P
+  bool deferred_ = false;              ///< W was added to
+  T along_[Map::kStates] = {};         ///< of deferred_noise()
+};
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::start(const PlanarPose<T>& pose,
+                                                          const Matrix3<T>& covariance) {
+  // Anchored at the estimate, x^ = 0 and xi_x is the plain position error.
+  this->start_at(pose, true);
+  const int from[3] = {2, 0, 1};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j <= i; ++j) P_(i, j) = covariance(from[i], from[j]);
+  }
+  deferred_noise_absorbed();
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::propagate(const PlanarIncrement<T>& increment) {
+  const RelativeFrame<T> f = this->frame();
+  const Displacement<T> u = displacement(increment);
+  T step[2];
+  T by_distance[2];
+  T by_turn[2];
+  f.to_relative(u.u.data(), step);
+  f.to_relative(u.by_distance.data(), by_distance);
+  f.to_relative(u.by_turn.data(), by_turn);
+  x_[0] += step[0];
+  x_[1] += step[1];
+  heading_ = wrap_angle(heading_ + increment.turn_rad);
+
+  // W += g Q g^T with g = [0 1; R u_d, R u_a - J x'].
+  const T g[3][2] = {
+      {T(0), T(1)}, {by_distance[0], by_turn[0] + x_[1]}, {by_distance[1], by_turn[1] - x_[0]}};
+  const Matrix2<T>& q = increment.covariance;
+  for (int i = 0; i < 3; ++i) {
+    const T gq0 = g[i][0] * q(0, 0) + g[i][1] * q(1, 0);
+    const T gq1 = g[i][0] * q(0, 1) + g[i][1] * q(1, 1);
+    for (int j = 0; j <= i; ++j) W_(i, j) += gq0 * g[j][0] + gq1 * g[j][1];
+  }
+  W_(0, 1) = W_(1, 0);
+  W_(0, 2) = W_(2, 0);
+  W_(1, 2) = W_(2, 1);
+  deferred_ = true;
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::widen_pose(T position_variance,
+                                                               T heading_variance) {
+  const T g[3] = {T(1), x_[1], -x_[0]};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) W_(i, j) += g[i] * heading_variance * g[j];
+  }
+  W_(1, 1) += position_variance;
+  W_(2, 2) += position_variance;
+  deferred_ = true;
+}
+
+/// W = b b^T + [0, 0; 0, rest] with b = W e_0 / sqrt(W_00); the result holds B b and rest.
+template <class T, int MaxLandmarks, int LandmarkDim>
+detail::DeferredNoise<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::deferred_noise() {
+  detail::DeferredNoise<T> noise;
+  if (!deferred_) return noise;
+  const T root = sqrt(W_(0, 0));
+  const T inverse = root > T(0) ? T(1) / root : T(0);
+  along_[0] = root;
+  along_[1] = W_(0, 1) * inverse;
+  along_[2] = W_(0, 2) * inverse;
+  const int count = this->landmark_count();
+  T* b = along_ + Map::state_of(0);
+  for (int slot = 0; slot < count; ++slot) {
+    b[0] = root * p_[slot][1];
+    b[1] = -root * p_[slot][0];
+    if constexpr (LandmarkDim > 2) b[2] = T(0);
+    b += LandmarkDim;
+  }
+  noise.along = along_;
+  noise.rest[0] = W_(1, 1) - along_[1] * along_[1];
+  noise.rest[1] = W_(2, 1) - along_[2] * along_[1];
+  noise.rest[2] = W_(2, 2) - along_[2] * along_[2];
+  return noise;
+}
+
+/// Element of B W B^T.
+template <class T, int MaxLandmarks, int LandmarkDim>
+T GroupErrorModel<T, MaxLandmarks, LandmarkDim>::deferred_covariance(int i, int j) const {
+  T rows[2][3] = {};
+  const int index[2] = {i, j};
+  for (int k = 0; k < 2; ++k) {
+    if (index[k] < 3) {
+      rows[k][index[k]] = T(1);
+      continue;
+    }
+    const int slot = (index[k] - 3) / LandmarkDim;
+    const int axis = (index[k] - 3) % LandmarkDim;
+    if (axis < 2) rows[k][0] = axis == 0 ? p_[slot][1] : -p_[slot][0];
+  }
+  T sum = T(0);
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) sum += rows[0][a] * W_(a, b) * rows[1][b];
+  }
+  return sum;
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::relative_covariance(
+    int slot, RelativeCovariance<T>& out) const {
+  const int l = Map::state_of(slot);
+  const T* x = P_.row(l);
+  const T* y = P_.row(l + 1);
+  out.s[0] = x[l] - T(2) * x[1] + P_.row(1)[1];
+  out.s[1] = y[l] - y[1] - x[2] + P_.row(2)[1];
+  out.s[2] = y[l + 1] - T(2) * y[2] + P_.row(2)[2];
+  if constexpr (LandmarkDim > 2) {
+    const T* height = P_.row(l + 2);
+    out.s[3] = height[l] - height[1];
+    out.s[4] = height[l + 1] - height[2];
+    out.s[5] = height[l + 2];
+  }
+  if (!deferred_) return;
+  // C B = [-J p, -I].
+  const T b[2] = {p_[slot][1], -p_[slot][0]};
+  out.s[0] += b[0] * (b[0] * W_(0, 0) - T(2) * W_(1, 0)) + W_(1, 1);
+  out.s[1] += b[0] * b[1] * W_(0, 0) - b[1] * W_(1, 0) - b[0] * W_(2, 0) + W_(2, 1);
+  out.s[2] += b[1] * (b[1] * W_(0, 0) - T(2) * W_(2, 0)) + W_(2, 2);
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::relative_columns(int slot, T* __restrict c0,
+                                                                     T* __restrict c1,
+                                                                     T* __restrict c2) const {
+  const int n = P_.size();
+  const int l = Map::state_of(slot);
+  const T* x = P_.row(l);
+  const T* y = P_.row(l + 1);
+  for (int k = 0; k < 3; ++k) {
+    c0[k] = x[k] - P_(k, 1);
+    c1[k] = y[k] - P_(k, 2);
+  }
+  // Element 1 of row j, for the landmarks' rows two at a time: row j has j + 1 elements.
+  const T* p = P_.row(3) + 1;
+  int j = 3;
+  for (; j + 1 < l; j += 2) {
+    c0[j] = x[j] - p[0];
+    c1[j] = y[j] - p[1];
+    p += j + 1;
+    c0[j + 1] = x[j + 1] - p[0];
+    c1[j + 1] = y[j + 1] - p[1];
+    p += j + 2;
+  }
+  for (; j <= l; ++j) {
+    c0[j] = x[j] - p[0];
+    c1[j] = y[j] - p[1];
+    p += j + 1;
+  }
+  const int to = l - 1;
+  for (int pairs = (n - j) / 2; pairs > 0; --pairs) {
+    c0[j] = p[to] - p[0];
+    c1[j] = p[to + 1] - p[1];
+    p += j + 1;
+    c0[j + 1] = p[to] - p[0];
+    c1[j + 1] = p[to + 1] - p[1];
+    p += j + 2;
+    j += 2;
+  }
+  if (j < n) {
+    c0[j] = p[to] - p[0];
+    c1[j] = p[to + 1] - p[1];
+  }
+  if constexpr (LandmarkDim > 2) {
+    if (c2 != nullptr) {
+      const T* height = P_.row(l + 2);
+      for (int k = 0; k < l + 2; ++k) c2[k] = height[k];
+      for (int k = l + 2; k < n; ++k) c2[k] = P_.row(k)[l + 2];
+    }
+  }
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::pose() const {
+  const T rho = exp(T(-0.5) * heading_variance());
+  PlanarPose<T> pose;
+  pose.position = {this->anchor_[0] + rho * x_[0], this->anchor_[1] + rho * x_[1]};
+  pose.heading = heading_;
+  return pose;
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::pose_covariance() const {
+  const T c[2] = {P_(1, 0) + W_(1, 0), P_(2, 0) + W_(2, 0)};
+  const T xi[3] = {P_(1, 1) + W_(1, 1), P_(2, 1) + W_(2, 1), P_(2, 2) + W_(2, 2)};
+  const auto m = detail::turned_point_moments(heading_variance(), x_, c, xi);
+  Matrix3<T> out;
+  out << m.cov[0], m.cov[1], m.with_heading[0], m.cov[1], m.cov[2], m.with_heading[1],
+      m.with_heading[0], m.with_heading[1], heading_variance();
+  return out;
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+typename GroupErrorModel<T, MaxLandmarks, LandmarkDim>::LandmarkVector
+GroupErrorModel<T, MaxLandmarks, LandmarkDim>::landmark_position(int slot) const {
+  const T rho = exp(T(-0.5) * heading_variance());
+  LandmarkVector p = this->mean_landmark(slot);
+  for (int i = 0; i < 2; ++i) p(i) = this->anchor_[i] + rho * p_[slot][i];
+  return p;
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+typename GroupErrorModel<T, MaxLandmarks, LandmarkDim>::LandmarkMatrix
+GroupErrorModel<T, MaxLandmarks, LandmarkDim>::landmark_covariance(int slot) const {
+  const int l = Map::state_of(slot);
+  const T b[2] = {p_[slot][1], -p_[slot][0]};  // -J p
+  const T w = W_(0, 0);
+  const T c[2] = {P_(l, 0) + b[0] * w, P_(l + 1, 0) + b[1] * w};
+  const T xi[3] = {P_(l, l) + b[0] * w * b[0], P_(l + 1, l) + b[0] * w * b[1],
+                   P_(l + 1, l + 1) + b[1] * w * b[1]};
+  const auto m = detail::turned_point_moments(heading_variance(), p_[slot], c, xi);
+  LandmarkMatrix out;
+  out(0, 0) = m.cov[0];
+  out(0, 1) = m.cov[1];
+  out(1, 0) = m.cov[1];
+  out(1, 1) = m.cov[2];
+  if constexpr (LandmarkDim > 2) {
+    const T rho = exp(T(-0.5) * heading_variance());
+    const T with_e = P_(l + 2, 0);
+    const T jm[2] = {-p_[slot][1], p_[slot][0]};
+    for (int i = 0; i < 2; ++i) {
+      out(2, i) = P_(l + 2, l + i) + rho * jm[i] * with_e;
+      out(i, 2) = out(2, i);
+    }
+    out(2, 2) = P_(l + 2, l + 2);
+  }
+  return out;
+}
+
+}  // namespace cairn
