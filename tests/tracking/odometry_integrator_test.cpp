@@ -1,5 +1,6 @@
 #include "cairn/tracking/odometry_integrator.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -41,10 +42,18 @@ TEST_F(AVehicleWithOdometry, MovesAsTold) {
   EXPECT_FLOAT_EQ(odometry_.speed_mps(), 0.5F);
 }
 
-TEST_F(AVehicleWithOdometry, IsAtRestBeforeTheFirstSample) {
-  ASSERT_TRUE(ok(integrate_to(20 * kPeriodUs)));
+TEST_F(AVehicleWithOdometry, IsAtRestBeforeTheFirstSampleButNotForEver) {
+  ASSERT_TRUE(ok(integrate_to(10 * kPeriodUs)));
+  EXPECT_EQ(integrate_to(20 * kPeriodUs), Status::kTimeGap);
   EXPECT_EQ(x(), 0.0F);
-  EXPECT_EQ(health_.time_errors, 0U);
+  EXPECT_NEAR(std::sqrt(filter_.pose_covariance()(0, 0)), 1.5F, 0.01F);
+  EXPECT_EQ(health_.odometry_timeouts, 1U);
+}
+
+TEST_F(AVehicleWithOdometry, MovesSinceTheStartAsTheFirstSampleSays) {
+  ASSERT_TRUE(ok(integrate_to(kPeriodUs / 2)));
+  ASSERT_TRUE(ok(add(kPeriodUs, 1.0F)));
+  EXPECT_NEAR(x(), 0.1F, 1e-5F);
 }
 
 TEST_F(AVehicleWithOdometry, HoldsTheLastMotionWithTheSameNoiseInAnyNumberOfSteps) {
@@ -58,19 +67,49 @@ TEST_F(AVehicleWithOdometry, HoldsTheLastMotionWithTheSameNoiseInAnyNumberOfStep
   const Matrix3<float> expected = in_one.pose_covariance();
   EXPECT_NEAR(covariance(0, 0) / expected(0, 0), 1.0F, 1e-4F);
   EXPECT_NEAR(covariance(2, 2) / expected(2, 2), 1.0F, 1e-4F);
-  EXPECT_NEAR(odometry_.turn_variance() / same.turn_variance(), 1.0F, 1e-4F);
-  odometry_.forget_turn();
-  EXPECT_EQ(odometry_.turn_variance(), 0.0F);
+  EXPECT_NEAR(odometry_.yaw_variance() / same.yaw_variance(), 1.0F, 1e-4F);
+  odometry_.forget_yaw();
+  EXPECT_EQ(odometry_.yaw_variance(), 0.0F);
 }
 
-TEST_F(AVehicleWithOdometry, TakesALateSampleFromWhereTheFrameWas) {
+/// Frames at 10 Hz, samples at 16 Hz, in a turn whose speed changes: what was extrapolated for a
+/// frame must not stay in the pose.
+TEST_F(AVehicleWithOdometry, CorrectsWhatWasHeldForAFrame) {
+  Filter samples_only = filter_;
+  OdometryIntegrator exact = odometry_;
+  std::int64_t frame_us = 30000;
+  for (int k = 1; k <= 160; ++k) {
+    OdometrySample sample;
+    sample.t_us = k * 62500;
+    sample.speed_mps = 1.0F + 0.2F * static_cast<float>(k % 7);
+    sample.turn = 0.1F * static_cast<float>(k % 5);
+    for (; frame_us < sample.t_us; frame_us += kPeriodUs) ASSERT_TRUE(ok(integrate_to(frame_us)));
+    ASSERT_TRUE(ok(odometry_.add(sample, filter_, health_)));
+    ASSERT_TRUE(ok(exact.add(sample, samples_only, health_)));
+  }
+  const PlanarPose<float> expected = samples_only.mean_pose();
+  EXPECT_NEAR(filter_.mean_pose().heading, expected.heading, 1e-5F);
+  EXPECT_LT((filter_.mean_pose().position - expected.position).norm(), 0.02F);  // of 16 m
+}
+
+TEST_F(AVehicleWithOdometry, TakesALateSampleForTheTimeSinceTheOneBefore) {
+  ASSERT_TRUE(ok(add(kPeriodUs, 1.0F)));
+  const float at_sample = x();
+  ASSERT_TRUE(ok(integrate_to(kPeriodUs + 50000)));
+  EXPECT_NEAR(x() - at_sample, 0.05F, 1e-5F);
+  ASSERT_TRUE(ok(add(kPeriodUs + 40000, 2.0F)));
+  EXPECT_NEAR(x() - at_sample, 0.10F, 1e-5F);
+  ASSERT_TRUE(ok(integrate_to(kPeriodUs + 60000)));
+  EXPECT_NEAR(x() - at_sample, 0.12F, 1e-5F);
+}
+
+TEST_F(AVehicleWithOdometry, LeavesAloneWhatAnImageHasCorrected) {
   ASSERT_TRUE(ok(add(kPeriodUs, 1.0F)));
   ASSERT_TRUE(ok(integrate_to(kPeriodUs + 50000)));
+  odometry_.note_image_update(0.0F, 0.1F);
   const float at_frame = x();
-  ASSERT_TRUE(ok(add(kPeriodUs + 40000, 3.0F)));
-  EXPECT_EQ(x(), at_frame);
-  ASSERT_TRUE(ok(integrate_to(kPeriodUs + 60000)));
-  EXPECT_NEAR(x() - at_frame, 0.03F, 1e-5F);
+  ASSERT_TRUE(ok(add(kPeriodUs + 90000, 3.0F)));
+  EXPECT_NEAR(x() - at_frame, 0.12F, 1e-5F);
 }
 
 TEST_F(AVehicleWithOdometry, RefusesWhatIsNoReading) {
@@ -86,26 +125,120 @@ TEST_F(AVehicleWithOdometry, RefusesWhatIsNoReading) {
   EXPECT_EQ(health_.non_finite_inputs, 2U);
 }
 
-TEST_F(AVehicleWithOdometry, DoesNotIntegrateAGap) {
+TEST_F(AVehicleWithOdometry, RefusesWhatNoVehicleDoesAndKeepsTheState) {
   ASSERT_TRUE(ok(add(kPeriodUs, 1.0F)));
+  OdometrySample steered;
+  steered.t_us = 2 * kPeriodUs;
+  steered.kind = OdometrySample::Kind::kAckermann;
+  steered.speed_mps = 1.0F;
+  steered.turn = 1.6F;
+  EXPECT_EQ(odometry_.add(steered, filter_, health_), Status::kInvalidArgument);
+  EXPECT_EQ(add(2 * kPeriodUs, 1e6F), Status::kInvalidArgument);
+  EXPECT_EQ(add(2 * kPeriodUs, 1e38F), Status::kInvalidArgument);
+  EXPECT_EQ(add(2 * kPeriodUs, 1.0F, 200.0F), Status::kInvalidArgument);
+  EXPECT_EQ(health_.odometry_refused, 4U);
+  ASSERT_TRUE(ok(add(2 * kPeriodUs, 1.0F)));
+  EXPECT_NEAR(x(), 0.2F, 1e-5F);
+  EXPECT_EQ(filter_.mean_pose().heading, 0.0F);
+}
+
+TEST_F(AVehicleWithOdometry, BecomesUncertainByWhatItCanHaveDoneInAGap) {
+  ASSERT_TRUE(ok(add(kPeriodUs, 2.0F)));
   const float before = x();
-  EXPECT_EQ(add(kPeriodUs + 1500000, 1.0F), Status::kTimeGap);
-  EXPECT_EQ(x(), before);
-  EXPECT_EQ(health_.time_errors, 1U);
-  ASSERT_TRUE(ok(add(2 * kPeriodUs + 1500000, 1.0F)));
-  EXPECT_NEAR(x() - before, 0.1F, 1e-5F);
+  EXPECT_EQ(add(kPeriodUs + 4000000, 2.0F), Status::kTimeGap);
+  EXPECT_NEAR(x() - before, 2.0F, 1e-3F);  // held for the longest step
+  const Matrix3<float> covariance = filter_.pose_covariance();
+  EXPECT_GT(covariance(0, 0), square(2.0F * 3.0F));
+  EXPECT_GT(covariance(2, 2), square(0.5F * 3.0F));
+  ASSERT_TRUE(ok(add(2 * kPeriodUs + 4000000, 2.0F)));
+  EXPECT_EQ(health_.odometry_timeouts, 1U);
+}
+
+TEST_F(AVehicleWithOdometry, SaysThatOdometryFellSilent) {
+  ASSERT_TRUE(ok(add(kPeriodUs, 1.0F)));
+  const std::int64_t last = kPeriodUs + 1000000;
+  for (std::int64_t t = 2 * kPeriodUs; t <= last; t += 33333) ASSERT_TRUE(ok(integrate_to(t)));
+  EXPECT_EQ(health_.odometry_timeouts, 0U);
+  for (int k = 1; k <= 600; ++k) EXPECT_EQ(integrate_to(last + k * kPeriodUs), Status::kTimeGap);
+  EXPECT_NEAR(x(), 1.1F, 1e-3F);
+  EXPECT_NEAR(std::sqrt(filter_.pose_covariance()(0, 0)), 60.0F, 3.0F);
+  EXPECT_LT(filter_.pose_covariance()(2, 2), 3.5F);  // no more than not known at all
+  EXPECT_EQ(health_.odometry_timeouts, 600U);
+}
+
+TEST_F(AVehicleWithOdometry, HoldsTheMotionOverAGlitch) {
+  for (int k = 1; k <= 10; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 0.5F)));
+  const float variance = filter_.pose_covariance()(0, 0);
+  EXPECT_EQ(add(11 * kPeriodUs, 50.0F), Status::kGated);
+  EXPECT_NEAR(x(), 0.55F, 1e-4F);
+  EXPECT_GT(filter_.pose_covariance()(0, 0) - variance, square(0.9F * 0.1F));
+  ASSERT_TRUE(ok(add(12 * kPeriodUs, 0.5F)));
+  EXPECT_NEAR(x(), 0.6F, 1e-4F);
+  EXPECT_EQ(health_.odometry_glitches, 1U);
+}
+
+TEST_F(AVehicleWithOdometry, BelievesAJumpOfTheSpeedThatStays) {
+  for (int k = 1; k <= 10; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 0.5F)));
+  EXPECT_EQ(add(11 * kPeriodUs, 9.0F), Status::kGated);
+  EXPECT_EQ(add(12 * kPeriodUs, 9.1F), Status::kGated);
+  EXPECT_EQ(add(13 * kPeriodUs, 8.9F), Status::kOk);
+  EXPECT_FLOAT_EQ(odometry_.speed_mps(), 8.9F);
+}
+
+TEST_F(AVehicleWithOdometry, TrustsWheelsLessThatAnImageShowsToSlip) {
+  for (int k = 1; k <= 10; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
+  OdometryIntegrator gripping = odometry_;
+  Filter other = filter_;
+  odometry_.note_image_update(-0.1F, 0.1F);  // stood while the wheels said 1 m/s
+  gripping.note_image_update(-0.01F, 0.1F);
+  OdometrySample sample;
+  sample.t_us = 11 * kPeriodUs;
+  sample.speed_mps = 1.0F;
+  const float before = other.pose_covariance()(0, 0);
+  ASSERT_TRUE(ok(gripping.add(sample, other, health_)));
+  ASSERT_TRUE(ok(odometry_.add(sample, filter_, health_)));
+  EXPECT_NEAR(other.pose_covariance()(0, 0) - before, square(0.01F), 1e-5F);
+  EXPECT_NEAR(filter_.pose_covariance()(0, 0) - before, square(0.1F), 1e-4F);
+}
+
+TEST_F(AVehicleWithOdometry, CountsFromTheFirstInputWhereverItsClockStands) {
+  constexpr std::int64_t kEpochUs = 1700000000000000;
+  ASSERT_TRUE(ok(add(kEpochUs, 1.0F)));
+  EXPECT_EQ(x(), 0.0F);
+  ASSERT_TRUE(ok(add(kEpochUs + kPeriodUs, 1.0F)));
+  EXPECT_NEAR(x(), 0.1F, 1e-5F);
+  odometry_.restart_clock(-5);
+  ASSERT_TRUE(ok(add(-5 + kPeriodUs, 1.0F)));
+  EXPECT_NEAR(x(), 0.2F, 1e-5F);
+}
+
+TEST(OdometryNoiseParameters, AreCheckedWhole) {
+  EXPECT_TRUE(ok(OdometryNoise{}.validate()));
+  float OdometryNoise::*const members[] = {
+      &OdometryNoise::sigma_speed_mps,       &OdometryNoise::sigma_turn,
+      &OdometryNoise::wheelbase_m,           &OdometryNoise::sample_period_s,
+      &OdometryNoise::max_acceleration_mps2, &OdometryNoise::unknown_speed_mps,
+      &OdometryNoise::unknown_yaw_rate_radps};
+  for (float OdometryNoise::*const member : members) {
+    for (const float value : {0.0F, -1.0F, std::numeric_limits<float>::quiet_NaN(),
+                              std::numeric_limits<float>::infinity()}) {
+      OdometryNoise noise;
+      noise.*member = value;
+      EXPECT_EQ(noise.validate(), Status::kBadConfig);
+    }
+  }
 }
 
 /// The mean follows the reading, the noise does not: a yaw rate that is wild for one sample is as
 /// uncertain as it is far from those before.
 TEST_F(AVehicleWithOdometry, TrustsAWildReadingLess) {
   for (int k = 1; k <= 20; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
-  odometry_.forget_turn();
+  odometry_.forget_yaw();
   ASSERT_TRUE(ok(add(21 * kPeriodUs, 1.0F, 0.05F)));
-  const float usual = odometry_.turn_variance();
-  odometry_.forget_turn();
+  const float usual = odometry_.yaw_variance();
+  odometry_.forget_yaw();
   ASSERT_TRUE(ok(add(22 * kPeriodUs, 1.0F, 2.0F)));
-  EXPECT_GT(odometry_.turn_variance(), 10.0F * usual);
+  EXPECT_GT(odometry_.yaw_variance(), 10.0F * usual);
   EXPECT_NEAR(filter_.mean_pose().heading, 0.205F, 1e-4F);
 }
 
@@ -115,6 +248,7 @@ struct LastIncrement {
     increment = next;
     return Status::kOk;
   }
+  Status widen_pose(float, float) { return Status::kOk; }
 };
 
 /// Steering couples the noise of an Ackermann vehicle's turn to that of its speed. GIVEN a straight

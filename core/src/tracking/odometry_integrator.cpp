@@ -1,66 +1,177 @@
 #include "cairn/tracking/odometry_integrator.hpp"
 
+#include "cairn/base/time.hpp"
 #include "cairn/numeric/math.hpp"
 
 namespace cairn {
+namespace {
+
+bool positive(float value) {
+  return is_finite(value) && value > 0.0F;
+}
+
+float larger(float a, float b) {
+  return a > b ? a : b;
+}
+
+}  // namespace
+
+Status OdometryNoise::validate() const {
+  const bool good = positive(sigma_speed_mps) && positive(sigma_turn) && positive(wheelbase_m) &&
+                    positive(sample_period_s) && is_finite(steady_s) && steady_s >= 0.0F &&
+                    positive(max_acceleration_mps2) && positive(unknown_speed_mps) &&
+                    positive(unknown_yaw_rate_radps);
+  return good ? Status::kOk : Status::kBadConfig;
+}
 
 void OdometryIntegrator::reset(const OdometryNoise& noise, std::int64_t max_step_us,
                                std::int64_t t_us) {
   *this = OdometryIntegrator();
   noise_ = noise;
+  steady_ = ReadingLowPass<float>(noise.steady_s);
   max_step_us_ = max_step_us;
   time_us_ = t_us;
+  motion_.t_us = t_us;
 }
 
-Status OdometryIntegrator::take(const OdometrySample& sample, Health& health) {
+/// The first input may lie far from the time of the start: times then count from it.
+void OdometryIntegrator::begin_at(std::int64_t t_us) {
+  if (begun_) return;
+  begun_ = true;
+  const std::int64_t since_us = difference_us(t_us, time_us_);
+  if (since_us < -max_step_us_ || since_us > max_step_us_) restart_clock(t_us);
+}
+
+void OdometryIntegrator::restart_clock(std::int64_t t_us) {
+  time_us_ = t_us;
+  motion_.t_us = t_us;
+  corrected_us_ = t_us;
+}
+
+float OdometryIntegrator::seconds_since_sample(std::int64_t t_us) const {
+  const std::int64_t since_us = difference_us(t_us, motion_.t_us);
+  return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;
+}
+
+Status OdometryIntegrator::check(const OdometrySample& sample, Health& health) const {
   if (!is_finite(sample.speed_mps) || !is_finite(sample.turn)) {
     ++health.non_finite_inputs;
     return Status::kNonFiniteInput;
   }
-  if (sample.t_us < time_us_ && has_motion_ && sample.t_us <= motion_.t_us) {
+  if (has_motion_ && sample.t_us < motion_.t_us) {
     ++health.time_errors;
     return Status::kTimeBackwards;
   }
-  steady_motion_ = has_motion_ ? steadied(sample) : sample;
-  motion_ = sample;
-  has_motion_ = true;
+  const bool ackermann = sample.kind == OdometrySample::Kind::kAckermann;
+  const bool possible = abs(sample.speed_mps) <= kMaxSpeed_mps &&
+                        (!ackermann || abs(sample.turn) <= kMaxSteering_rad) &&
+                        abs(sample.turn) <= 1e3F;
+  const float longest_s = static_cast<float>(max_step_us_) * 1e-6F;
+  const float dt_s = seconds_since_sample(sample.t_us);
+  if (!possible ||
+      !(abs(motion_over(sample, dt_s < longest_s ? dt_s : longest_s).yaw_rad) <= kPi<float>)) {
+    ++health.odometry_refused;
+    return Status::kInvalidArgument;
+  }
   return Status::kOk;
 }
 
-/// Low pass of the readings over `steady_s`.
-OdometrySample OdometryIntegrator::steadied(const OdometrySample& sample) const {
-  const float dt = static_cast<float>(sample.t_us - motion_.t_us) * 1e-6F;
-  const float share = dt > 0.0F ? dt / (dt + noise_.steady_s) : 0.0F;
-  OdometrySample steady = sample;
-  steady.speed_mps =
-      steady_motion_.speed_mps + share * (sample.speed_mps - steady_motion_.speed_mps);
-  steady.turn = steady_motion_.turn + share * (sample.turn - steady_motion_.turn);
-  return steady;
+/// Whether a reading changed faster than a vehicle can, and is not yet believed for its
+/// persistence.
+bool OdometryIntegrator::is_glitch(const OdometrySample& sample) {
+  constexpr float kNoiseInSigmas = 6.0F;
+  const float dt_s = seconds_since_sample(sample.t_us);
+  if (!has_motion_ || !(dt_s > 0.0F)) return false;
+  const float scale = sqrt(noise_.sample_period_s / dt_s);
+  const float most = noise_.max_acceleration_mps2 * dt_s +
+                     kNoiseInSigmas * larger(1.0F, scale) * noise_.sigma_speed_mps;
+  const float jump = abs(sample.speed_mps - motion_.speed_mps);
+  if (jump <= most) {
+    glitches_ = 0;
+    return false;
+  }
+  const bool as_before = glitches_ > 0 && abs(sample.speed_mps - glitch_.speed_mps) <= most;
+  glitches_ = as_before ? glitches_ + 1 : 1;
+  glitch_ = sample;
+  if (glitches_ >= kGlitchesToBelieve) {
+    glitches_ = 0;
+    return false;
+  }
+  const float unknown = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
+  slip_mps_ = larger(slip_mps_, jump < unknown ? jump : unknown);
+  return true;
+}
+
+void OdometryIntegrator::note_image_update(float ahead_m, float step_s) {
+  constexpr float kFarInSigmas = 3.0F;
+  constexpr float kLasts_s = 0.5F;
+  corrected_us_ = time_us_;
+  if (!(step_s > 0.0F)) return;
+  slip_mps_ *= kLasts_s / (kLasts_s + step_s);
+  const float rate = abs(ahead_m) / step_s;
+  if (rate > kFarInSigmas * noise_.sigma_speed_mps * sqrt(noise_.sample_period_s / step_s)) {
+    slip_mps_ = larger(slip_mps_, rate);
+  }
+}
+
+OdometryIntegrator::Motion OdometryIntegrator::motion_over(const OdometrySample& reading,
+                                                           float dt_s) const {
+  if (!(dt_s > 0.0F)) return {};
+  const PlanarIncrement<float> increment = increment_of(reading, dt_s, 1.0F);
+  return {increment.distance_m, increment.turn_rad};
+}
+
+/// Of one step, at least a third of |reading - low-passed reading|, so that the search windows stay
+/// wide enough after an outlier.
+float OdometryIntegrator::sigma_speed(float scale) const {
+  constexpr float kFarInSigmas = 3.0F;
+  const float off = abs(motion_.speed_mps - steady_.speed()) / kFarInSigmas;
+  return larger(scale * larger(noise_.sigma_speed_mps, off), slip_mps_);
 }
 
 PlanarIncrement<float> OdometryIntegrator::increment_over(float dt_s) const {
+  if (!(dt_s > 0.0F)) return {};
   // The noise is stated per sample_period: cut into shorter steps its sum must stay the same.
   const float scale = sqrt(noise_.sample_period_s / dt_s);
   PlanarIncrement<float> increment = increment_of(motion_, dt_s, scale);
-  // Noise linearised at the reading would correlate with the reading's own error: a steering error
-  // would each time be taken for a slower vehicle. Only the size of the speed may come from it.
-  OdometrySample linearised = steady_motion_;
+  // Noise linearised at the reading would be correlated with the reading's own error: the filter
+  // would explain each steering error by a change of speed. Only a larger speed is taken from it.
+  OdometrySample linearised = motion_;
+  linearised.speed_mps = steady_.speed();
+  linearised.turn = steady_.turn();
   if (abs(motion_.speed_mps) > abs(linearised.speed_mps)) linearised.speed_mps = motion_.speed_mps;
   increment.covariance = increment_of(linearised, dt_s, scale).covariance;
   return increment;
 }
 
-PlanarIncrement<float> OdometryIntegrator::increment_of(const OdometrySample& motion, float dt_s,
+PlanarIncrement<float> OdometryIntegrator::increment_of(const OdometrySample& reading, float dt_s,
                                                         float scale) const {
-  // The windows must hold what a wild reading says too: one that lies far off those before it.
   constexpr float kFarInSigmas = 3.0F;
-  const float off = abs(motion_.turn - steady_motion_.turn) / kFarInSigmas;
+  const float off = abs(motion_.turn - steady_.turn()) / kFarInSigmas;
   const float sigma_turn = scale * (off > noise_.sigma_turn ? off : noise_.sigma_turn);
-  const float sigma_speed = scale * noise_.sigma_speed_mps;
-  return motion.kind == OdometrySample::Kind::kAckermann
-             ? ackermann_increment(motion.speed_mps, motion.turn, dt_s, noise_.wheelbase_m,
-                                   sigma_speed, sigma_turn)
-             : twist_increment(motion.speed_mps, motion.turn, dt_s, sigma_speed, sigma_turn);
+  return reading.kind == OdometrySample::Kind::kAckermann
+             ? ackermann_increment(reading.speed_mps, reading.turn, dt_s, noise_.wheelbase_m,
+                                   sigma_speed(scale), sigma_turn)
+             : twist_increment(reading.speed_mps, reading.turn, dt_s, sigma_speed(scale),
+                               sigma_turn);
+}
+
+/// Speed and yaw rate, sure at the sample, drift to the unknown within the longest step and stay
+/// there: the deviation of the path is u t^2 / (2 max) first, and u (t - max / 2) from then on.
+OdometryIntegrator::Drift OdometryIntegrator::drift_between(float from_s, float to_s) const {
+  constexpr float kMostPosition_m = 1e3F;
+  constexpr float kMostHeading_rad = 1.8F;  // a heading of which nothing is known
+  const float max_s = static_cast<float>(max_step_us_) * 1e-6F;
+  const float speed = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
+  const float yaw_rate =
+      larger(noise_.unknown_yaw_rate_radps, abs(motion_over(motion_, 1.0F).yaw_rad));
+  const auto variance = [max_s](float rate, float t_s, float most) {
+    const float time = t_s < max_s ? 0.5F * t_s * t_s / max_s : t_s - 0.5F * max_s;
+    return square(rate * time < most ? rate * time : most);
+  };
+  return {
+      variance(speed, to_s, kMostPosition_m) - variance(speed, from_s, kMostPosition_m),
+      variance(yaw_rate, to_s, kMostHeading_rad) - variance(yaw_rate, from_s, kMostHeading_rad)};
 }
 
 }  // namespace cairn

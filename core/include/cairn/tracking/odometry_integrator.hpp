@@ -5,6 +5,7 @@
 #include "cairn/base/health.hpp"
 #include "cairn/base/status.hpp"
 #include "cairn/planar/increment.hpp"
+#include "cairn/planar/reading_low_pass.hpp"
 #include "cairn/tracking/frame_report.hpp"
 
 namespace cairn {
@@ -14,67 +15,164 @@ struct OdometryNoise {
   float sigma_turn = 0.0873F;    ///< steering angle, rad, or yaw rate, rad/s, per sample
   float wheelbase_m = 0.5F;      ///< kAckermann only
   float sample_period_s = 0.1F;  ///< the period at which the noise above is stated
-  float steady_s = 0.3F;         ///< low pass of the readings at which noise is linearised
+  float steady_s = 0.3F;  ///< time constant of the low-passed readings at which noise is linearised
+  float max_acceleration_mps2 = 20.0F;  ///< a reading that changes faster counts as a glitch
+  /// Standard deviations of the motion while nothing is measured, or of the last reading's size
+  /// where that is larger.
+  float unknown_speed_mps = 1.0F;
+  float unknown_yaw_rate_radps = 0.5F;
+
+  /// kBadConfig for a value that is not finite or not above 0 (`steady_s` may be 0).
+  Status validate() const;
 };
 
-/// Moves a planar filter by odometry samples. The last motion is held beyond its sample, so that
-/// the pose can be had at a frame's time; cut into shorter steps, its noise sums up to the same.
+/// Moves a planar filter by odometry samples that come in their own rhythm: late, early, in bursts.
+///
+/// A sample is the motion since the sample before it. Beyond the newest sample its motion is held,
+/// so that the pose can be predicted at a frame's time, with an uncertainty that grows with the
+/// time since the sample as if speed and yaw rate drifted to the unknown within `max_step_us`; from
+/// then on the motion is unknown. When the next sample arrives, the stretch that was held is
+/// corrected by it, except where an image has corrected the pose since. Cut into shorter steps, the
+/// noise sums up to the same. The start counts as a sample at rest.
 class OdometryIntegrator {
  public:
-  /// Starts anew, at rest at time `t_us`. A step beyond `max_step_us` is not integrated.
+  static constexpr float kMaxSpeed_mps = 300.0F;
+  static constexpr float kMaxSteering_rad = 1.4F;
+  /// Glitches in a row, each like the one before, after which they are believed.
+  static constexpr int kGlitchesToBelieve = 3;
+
+  /// Starts anew, at rest at time `t_us`. Motion is held for at most `max_step_us`.
   void reset(const OdometryNoise& noise, std::int64_t max_step_us, std::int64_t t_us);
 
-  /// Integrates up to the sample's time. kNonFiniteInput, kTimeBackwards: sample refused. Else as
-  /// integrate_to().
+  /// Integrates up to the sample's time. Refused, nothing changed: kNonFiniteInput;
+  /// kInvalidArgument (beyond kMaxSpeed_mps or kMaxSteering_rad, or half a turn since the sample
+  /// before); kTimeBackwards (older than the sample before). Counted, with the motion before
+  /// it held less certainly: kGated, the speed changed faster than a vehicle can. kTimeGap: more
+  /// than `max_step_us` since the sample before; the pose became as uncertain as that leaves it.
   template <class Filter>
   Status add(const OdometrySample& sample, Filter& filter, Health& health);
 
-  /// Integrates the last motion up to `t_us`; nothing to do where the pose is there already.
-  /// kTimeGap: time moved on, the motion was not integrated. Else as Filter::predict().
+  /// Brings the pose to `t_us`; nothing to do where it is there already. kTimeGap: the motion since
+  /// the newest sample is unknown by now, and the pose became uncertain. Else as Filter::predict().
   template <class Filter>
   Status integrate_to(std::int64_t t_us, Filter& filter, Health& health);
 
+  /// The clock of the inputs was set back: times count on from `t_us`.
+  void restart_clock(std::int64_t t_us);
+
+  /// An image has corrected the pose at its present time, by `ahead_m` along the vehicle's heading
+  /// since the frame `step_s` before: what was held until now needs no correction by odometry. A
+  /// correction far beyond the noise means that the wheels slip, and raises the noise for a while.
+  void note_image_update(float ahead_m, float step_s);
+
   float speed_mps() const { return motion_.speed_mps; }
-  /// Variance of the turn since the last forget_turn(), rad^2.
-  float turn_variance() const { return turn_variance_; }
-  void forget_turn() { turn_variance_ = 0.0F; }
+  /// Variance of the yaw increment since the last forget_yaw(), rad^2.
+  float yaw_variance() const { return yaw_variance_; }
+  void forget_yaw() { yaw_variance_ = 0.0F; }
 
  private:
-  Status take(const OdometrySample& sample, Health& health);
+  /// Distance and yaw increment that a reading makes of a time, without noise.
+  struct Motion {
+    float distance_m = 0.0F;
+    float yaw_rad = 0.0F;
+  };
+
+  void begin_at(std::int64_t t_us);
+  Status check(const OdometrySample& sample, Health& health) const;
+  bool is_glitch(const OdometrySample& sample);
+  float seconds_since_sample(std::int64_t t_us) const;
+  Motion motion_over(const OdometrySample& reading, float dt_s) const;
+  float sigma_speed(float scale) const;
   PlanarIncrement<float> increment_over(float dt_s) const;
-  PlanarIncrement<float> increment_of(const OdometrySample& motion, float dt_s, float scale) const;
-  OdometrySample steadied(const OdometrySample& sample) const;
+  PlanarIncrement<float> increment_of(const OdometrySample& reading, float dt_s, float scale) const;
+  /// Variances of position (m^2) and heading (rad^2) that the time since the sample adds between
+  /// `from_s` and `to_s` after it.
+  struct Drift {
+    float position = 0.0F;
+    float heading = 0.0F;
+  };
+  Drift drift_between(float from_s, float to_s) const;
 
   OdometryNoise noise_;
   std::int64_t max_step_us_ = 0;
-  std::int64_t time_us_ = 0;  ///< of the filter's pose
+  std::int64_t time_us_ = 0;       ///< of the filter's pose
+  std::int64_t corrected_us_ = 0;  ///< until then an image has corrected the pose
   OdometrySample motion_;
-  OdometrySample steady_motion_;
+  ReadingLowPass<float> steady_;
+  OdometrySample glitch_;
+  int glitches_ = 0;
+  float slip_mps_ = 0.0F;  ///< standard deviation of the speed that glitches and images show
+  bool begun_ = false;
   bool has_motion_ = false;
-  float turn_variance_ = 0.0F;
+  float yaw_variance_ = 0.0F;
 };
 
 template <class Filter>
 Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Health& health) {
-  const Status taken = take(sample, health);
-  // A frame may have taken the pose beyond this sample already: the sample then counts from there.
-  return ok(taken) ? integrate_to(sample.t_us, filter, health) : taken;
+  begin_at(sample.t_us);
+  const Status checked = check(sample, health);
+  if (!ok(checked)) return checked;
+  const bool gap = seconds_since_sample(sample.t_us) > static_cast<float>(max_step_us_) * 1e-6F;
+  const bool glitch = !gap && is_glitch(sample);
+  Motion correction;
+  if (gap) {
+    static_cast<void>(integrate_to(sample.t_us, filter, health));
+  } else if (!glitch) {
+    // What was held beyond the last sample, and no image has corrected, moves as this sample says.
+    const std::int64_t from = corrected_us_ > motion_.t_us ? corrected_us_ : motion_.t_us;
+    const float held_s = time_us_ > from ? static_cast<float>(time_us_ - from) * 1e-6F : 0.0F;
+    const Motion measured = motion_over(sample, held_s);
+    const Motion held = motion_over(motion_, held_s);
+    correction = {measured.distance_m - held.distance_m, measured.yaw_rad - held.yaw_rad};
+  }
+  if (glitch) {
+    motion_.t_us = sample.t_us;
+    ++health.odometry_glitches;
+  } else {
+    steady_.add(sample.speed_mps, sample.turn,
+                has_motion_ ? seconds_since_sample(sample.t_us) : 0.0F);
+    motion_ = sample;
+    has_motion_ = true;
+  }
+  const float step_s =
+      sample.t_us > time_us_ ? static_cast<float>(sample.t_us - time_us_) * 1e-6F : 0.0F;
+  PlanarIncrement<float> increment = increment_over(step_s);
+  increment.distance_m += correction.distance_m;
+  increment.turn_rad += correction.yaw_rad;
+  if (step_s > 0.0F) time_us_ = sample.t_us;
+  if (step_s > 0.0F || correction.distance_m != 0.0F || correction.yaw_rad != 0.0F) {
+    const Status moved = filter.predict(increment);
+    if (!ok(moved)) return moved;
+    yaw_variance_ += increment.covariance(1, 1);
+  }
+  if (glitch) return Status::kGated;
+  return gap ? Status::kTimeGap : Status::kOk;
 }
 
 template <class Filter>
 Status OdometryIntegrator::integrate_to(std::int64_t t_us, Filter& filter, Health& health) {
-  const std::int64_t step_us = t_us - time_us_;
-  if (step_us <= 0) return Status::kOk;
+  begin_at(t_us);
+  if (t_us <= time_us_) return Status::kOk;
+  const float max_s = static_cast<float>(max_step_us_) * 1e-6F;
+  const float from_s = seconds_since_sample(time_us_);
+  const float to_s = seconds_since_sample(t_us);
+  const float held_s = (to_s < max_s ? to_s : max_s) - from_s;
   time_us_ = t_us;
-  if (!has_motion_) return Status::kOk;
-  if (step_us > max_step_us_) {
-    ++health.time_errors;
-    return Status::kTimeGap;
+  Status status = Status::kOk;
+  if (has_motion_ && held_s > 0.0F) {
+    const PlanarIncrement<float> increment = increment_over(held_s);
+    status = filter.predict(increment);
+    if (ok(status)) yaw_variance_ += increment.covariance(1, 1);
   }
-  const PlanarIncrement<float> increment = increment_over(static_cast<float>(step_us) * 1e-6F);
-  const Status status = filter.predict(increment);
-  if (ok(status)) turn_variance_ += increment.covariance(1, 1);
-  return status;
+  const Drift drift = drift_between(from_s, to_s);
+  if (drift.position > 0.0F || drift.heading > 0.0F) {
+    const Status widened = filter.widen_pose(drift.position, drift.heading);
+    if (ok(status)) status = widened;
+    yaw_variance_ += drift.heading;
+  }
+  if (to_s <= max_s) return status;
+  ++health.odometry_timeouts;
+  return ok(status) ? Status::kTimeGap : status;
 }
 
 }  // namespace cairn
