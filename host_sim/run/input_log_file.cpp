@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "cairn/ar/augmenter.hpp"
 #include "cairn/planar/ekf_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/planar/lifted_iekf_slam.hpp"
@@ -15,6 +14,7 @@
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/run/core_conversions.hpp"
 #include "host_sim/run/instruction_count.hpp"
+#include "host_sim/run/scene_objects.hpp"
 
 namespace cairn::host {
 namespace {
@@ -82,8 +82,7 @@ class LogReplay {
     std::vector<std::uint8_t> pixels(static_cast<std::size_t>(width) *
                                      static_cast<std::size_t>(height));
     const MutableImageView image{pixels.data(), width, height, width};
-    Augmenter augmenter;
-    check(augmenter.initialise(Augmenter::Parameters{}));
+    SceneObjects objects(kVehicleObjectHeight);
     std::vector<OdometrySample> odometry;
     LogEvent event = LogEvent::kOdometry;
     OdometrySample sample;
@@ -106,7 +105,7 @@ class LogReplay {
       replay_work_limit(frame, *tracker);
       report.status = tracker->process_frame(image, frame.t_us, ticks, report);
       if (marked_) {
-        tracker->augment(augmenter, image, ticks, report);
+        objects.draw(*tracker, image, ticks, report);
         cairn_mark_frame_end();
       }
       fmt::print("frame {} {} {} {:016x}\n", frame.number, frame.t_us, to_string(report.status),

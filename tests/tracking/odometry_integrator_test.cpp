@@ -58,9 +58,9 @@ TEST_F(AVehicleWithOdometry, HoldsTheLastMotionWithTheSameNoiseInAnyNumberOfStep
   const Matrix3<float> expected = in_one.pose_covariance();
   EXPECT_NEAR(covariance(0, 0) / expected(0, 0), 1.0F, 1e-4F);
   EXPECT_NEAR(covariance(2, 2) / expected(2, 2), 1.0F, 1e-4F);
-  EXPECT_NEAR(odometry_.turn_variance() / same.turn_variance(), 1.0F, 1e-4F);
-  odometry_.forget_turn();
-  EXPECT_EQ(odometry_.turn_variance(), 0.0F);
+  EXPECT_NEAR(odometry_.yaw_variance() / same.yaw_variance(), 1.0F, 1e-4F);
+  odometry_.forget_yaw();
+  EXPECT_EQ(odometry_.yaw_variance(), 0.0F);
 }
 
 TEST_F(AVehicleWithOdometry, TakesALateSampleFromWhereTheFrameWas) {
@@ -100,12 +100,12 @@ TEST_F(AVehicleWithOdometry, DoesNotIntegrateAGap) {
 /// uncertain as it is far from those before.
 TEST_F(AVehicleWithOdometry, TrustsAWildReadingLess) {
   for (int k = 1; k <= 20; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
-  odometry_.forget_turn();
+  odometry_.forget_yaw();
   ASSERT_TRUE(ok(add(21 * kPeriodUs, 1.0F, 0.05F)));
-  const float usual = odometry_.turn_variance();
-  odometry_.forget_turn();
+  const float usual = odometry_.yaw_variance();
+  odometry_.forget_yaw();
   ASSERT_TRUE(ok(add(22 * kPeriodUs, 1.0F, 2.0F)));
-  EXPECT_GT(odometry_.turn_variance(), 10.0F * usual);
+  EXPECT_GT(odometry_.yaw_variance(), 10.0F * usual);
   EXPECT_NEAR(filter_.mean_pose().heading, 0.205F, 1e-4F);
 }
 

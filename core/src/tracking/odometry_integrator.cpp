@@ -8,6 +8,7 @@ void OdometryIntegrator::reset(const OdometryNoise& noise, std::int64_t max_step
                                std::int64_t t_us) {
   *this = OdometryIntegrator();
   noise_ = noise;
+  steady_ = SteadyReading<float>(noise.steady_s);
   max_step_us_ = max_step_us;
   time_us_ = t_us;
 }
@@ -21,30 +22,22 @@ Status OdometryIntegrator::take(const OdometrySample& sample, Health& health) {
     ++health.time_errors;
     return Status::kTimeBackwards;
   }
-  steady_motion_ = has_motion_ ? steadied(sample) : sample;
+  steady_.take(sample.speed_mps, sample.turn,
+               static_cast<float>(sample.t_us - motion_.t_us) * 1e-6F);
   motion_ = sample;
   has_motion_ = true;
   return Status::kOk;
-}
-
-/// Low pass of the readings over `steady_s`.
-OdometrySample OdometryIntegrator::steadied(const OdometrySample& sample) const {
-  const float dt = static_cast<float>(sample.t_us - motion_.t_us) * 1e-6F;
-  const float share = dt > 0.0F ? dt / (dt + noise_.steady_s) : 0.0F;
-  OdometrySample steady = sample;
-  steady.speed_mps =
-      steady_motion_.speed_mps + share * (sample.speed_mps - steady_motion_.speed_mps);
-  steady.turn = steady_motion_.turn + share * (sample.turn - steady_motion_.turn);
-  return steady;
 }
 
 PlanarIncrement<float> OdometryIntegrator::increment_over(float dt_s) const {
   // The noise is stated per sample_period: cut into shorter steps its sum must stay the same.
   const float scale = sqrt(noise_.sample_period_s / dt_s);
   PlanarIncrement<float> increment = increment_of(motion_, dt_s, scale);
-  // Noise linearised at the reading would correlate with the reading's own error: a steering error
-  // would each time be taken for a slower vehicle. Only the size of the speed may come from it.
-  OdometrySample linearised = steady_motion_;
+  // Noise linearised at the reading would be correlated with the reading's own error: the filter
+  // would explain each steering error by a change of speed. Only a larger speed is taken from it.
+  OdometrySample linearised = motion_;
+  linearised.speed_mps = steady_.speed();
+  linearised.turn = steady_.turn();
   if (abs(motion_.speed_mps) > abs(linearised.speed_mps)) linearised.speed_mps = motion_.speed_mps;
   increment.covariance = increment_of(linearised, dt_s, scale).covariance;
   return increment;
@@ -52,9 +45,10 @@ PlanarIncrement<float> OdometryIntegrator::increment_over(float dt_s) const {
 
 PlanarIncrement<float> OdometryIntegrator::increment_of(const OdometrySample& motion, float dt_s,
                                                         float scale) const {
-  // The windows must hold what a wild reading says too: one that lies far off those before it.
+  // Sigma is at least a third of |reading - low-passed reading|, so that the search windows stay
+  // wide enough after an outlier.
   constexpr float kFarInSigmas = 3.0F;
-  const float off = abs(motion_.turn - steady_motion_.turn) / kFarInSigmas;
+  const float off = abs(motion_.turn - steady_.turn()) / kFarInSigmas;
   const float sigma_turn = scale * (off > noise_.sigma_turn ? off : noise_.sigma_turn);
   const float sigma_speed = scale * noise_.sigma_speed_mps;
   return motion.kind == OdometrySample::Kind::kAckermann
