@@ -38,7 +38,7 @@ std::optional<double> error_m(const Recording& recording, int start, const Rigid
   for (int i = 0; i < start; ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (recording.undisturbed[k].state != TrackingState::kTracking) continue;
-    estimate.push_back(to_double(recording.undisturbed[k].T_world_camera));
+    estimate.push_back(to_double(recording.undisturbed[k].T_map_camera));
     truth.push_back(*recording.frames[k].true_T_world_camera);
   }
   const auto aligned = evaluate_trajectory(estimate, truth, Alignment::kSim3);
@@ -74,9 +74,9 @@ CutTrial run_trial(const Recording& recording, Tracker& tracker, CutTrial trial,
   const auto at = [&](const Rigid<float>& pose) {
     return error_m(recording, trial.start, to_double(pose), end - 1).value_or(0.0);
   };
-  trial.error_m = at(report.T_world_camera);
+  trial.error_m = at(report.T_map_camera);
   trial.undisturbed_error_m =
-      at(recording.undisturbed[static_cast<std::size_t>(end - 1)].T_world_camera);
+      at(recording.undisturbed[static_cast<std::size_t>(end - 1)].T_map_camera);
   return trial;
 }
 

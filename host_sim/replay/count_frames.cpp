@@ -17,6 +17,7 @@
 
 #include "host_sim/replay/frame_marks.hpp"
 #include "host_sim/replay/log_replay.hpp"
+#include "host_sim/run/scene_objects.hpp"
 
 // Different bodies, so that they stay three functions.
 extern "C" {
@@ -61,8 +62,6 @@ class StageMarks {
 
 class CountedFrame {
  public:
-  Status initialise() { return augmenter_.initialise(cairn::Augmenter::Parameters{}); }
-
   template <class Tracker>
   void operator()(const cairn::host::ReplayFrame& frame, Tracker& tracker) {
     marks_.restart();
@@ -70,7 +69,7 @@ class CountedFrame {
     cairn::FrameReport report;
     cairn_mark_frame_begin();
     cairn::host::process_frame(frame, tracker, ticks, report);
-    tracker.augment(augmenter_, frame.image, ticks, report);
+    objects_.draw(tracker, frame.image, ticks, report);
     cairn_mark_frame_end();
     std::fputs("stages", stdout);
     for (const std::uint32_t pieces : report.stage_ticks) std::printf(" %x", pieces);
@@ -79,15 +78,14 @@ class CountedFrame {
 
  private:
   StageMarks marks_;
-  cairn::Augmenter augmenter_;
+  cairn::host::SceneObjects objects_{cairn::host::kVehicleObjectHeight};
 };
 
 Status replay(cairn::host::LogFile& file) {
   cairn::InputLogReader<cairn::host::LogFile> reader(file);
   cairn::InputLogHeader header;
   CountedFrame on_frame;
-  Status status = reader.open(header);
-  if (cairn::ok(status)) status = on_frame.initialise();
+  const Status status = reader.open(header);
   if (!cairn::ok(status)) return status;
   if (cairn::host::fits<cairn::DefaultConfig>(header.camera)) {
     return cairn::host::replay_frames<cairn::DefaultConfig>(reader, header, on_frame);

@@ -9,6 +9,7 @@
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/run/core_conversions.hpp"
 #include "host_sim/run/host_ticks.hpp"
+#include "host_sim/run/scene_objects.hpp"
 
 namespace cairn::host {
 namespace {
@@ -29,11 +30,8 @@ class HandheldAdapter : public Tracker {
       parameters.filter.fading_factor = std::strtof(options.fading.c_str(), nullptr);
     }
     const PinholeCamera<float> camera = apply(options.handheld, source.camera, parameters);
-    Augmenter::Parameters objects;
-    objects.height_m = 0.3F;
-    static_cast<void>(augmenter_.initialise(objects));
     fading_ = options.fading.empty() ? "1" : options.fading;
-    const bool patch = parameters.search.method == SearchMethod::kPatch;
+    const bool patch = parameters.measurement.search.method == SearchMethod::kPatch;
     measurement_ = patch ? "patch" : "freak";
     const Status status = core_->initialise(camera, parameters);
     if (!ok(status)) {
@@ -46,7 +44,7 @@ class HandheldAdapter : public Tracker {
         core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
     report.status = status;
     if (report.t_us == frame.t_us) {
-      core_->augment(augmenter_, to_mutable_view(overlay), host_ticks(), report);
+      objects_.draw(*core_, to_mutable_view(overlay), host_ticks(), report);
     }
     return status;
   }
@@ -63,7 +61,7 @@ class HandheldAdapter : public Tracker {
     const auto& library = core_->library();
     for (int slot = 0; slot < library.size(); ++slot) {
       if (filter.find(library[slot].id) >= 0) continue;
-      all.push_back({library[slot].id, library[slot].p_world.template cast<double>(),
+      all.push_back({library[slot].id, library[slot].p_map.template cast<double>(),
                      library[slot].covariance.template cast<double>(), false});
     }
     return all;
@@ -79,7 +77,7 @@ class HandheldAdapter : public Tracker {
   int library_size() const override { return core_->library().size(); }
   int landmark_capacity() const override { return Core::kMaxFeatures; }
   Health health() const override { return core_->health(); }
-  const Augmenter* objects() const override { return &augmenter_; }
+  const Augmenter* objects() const override { return &objects_.augmenter(); }
 
   nlohmann::json description() const override {
     return {{"mode", "handheld"},
@@ -95,12 +93,12 @@ class HandheldAdapter : public Tracker {
   static PinholeCamera<float> apply(const HandheldOptions& options,
                                     const PinholeCamera<double>& true_camera,
                                     typename Core::Parameters& parameters) {
-    if (options.measurement == "patch") parameters.search.method = SearchMethod::kPatch;
+    if (options.measurement == "patch") parameters.measurement.search.method = SearchMethod::kPatch;
     if (options.measurement == "freak") {
-      parameters.search.method = SearchMethod::kDescriptor;
+      parameters.measurement.search.method = SearchMethod::kDescriptor;
       parameters.filter.sigma_px = 1.0F;
     }
-    if (options.corner_score) parameters.supply.min_score = *options.corner_score;
+    if (options.corner_score) parameters.local_map.supply.min_score = *options.corner_score;
     if (options.sigma_px) parameters.filter.sigma_px = static_cast<float>(*options.sigma_px);
     parameters.filter.estimate_focal_length = options.estimate_focal_length;
     PinholeCamera<double> camera = true_camera;
@@ -110,7 +108,7 @@ class HandheldAdapter : public Tracker {
   }
 
   std::unique_ptr<Core> core_;
-  Augmenter augmenter_;
+  SceneObjects objects_{kHandheldObjectHeight};
   std::string fading_;
   std::string measurement_;
 };

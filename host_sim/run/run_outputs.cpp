@@ -30,14 +30,14 @@ Rigid<double> planar_rigid(const PlanarPoseEstimate& pose) {
           Vector3<double>(pose.x_m, pose.y_m, 0.0)};
 }
 
-/// The pose that the trajectory files hold: vehicle or camera in the world.
+/// The pose that the trajectory files hold: the vehicle as the filter has it, or the camera.
 std::optional<Rigid<double>> estimated_pose(const FrameRecord& frame, Mode mode) {
   if (mode == Mode::kVehicle) {
     if (!frame.vehicle.has_value()) return std::nullopt;
     return planar_rigid(*frame.vehicle);
   }
   if (!frame.has_pose()) return std::nullopt;
-  return to_double(frame.report.T_world_camera);
+  return to_double(frame.report.T_map_camera);
 }
 
 const std::optional<Rigid<double>>& true_pose(const FrameRecord& frame, Mode mode) {
@@ -212,8 +212,8 @@ void write_landmarks(const std::filesystem::path& folder, const RunRecord& recor
   for (const MapLandmark& landmark : record.landmarks) {
     const Vector3<double> sigma = landmark.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     file.print("{},{},{:.6g},{:.6g},{:.6g},{:.4g},{:.4g},{:.4g}\n", landmark.id,
-               landmark.active ? 1 : 0, landmark.p_world.x(), landmark.p_world.y(),
-               landmark.p_world.z(), sigma.x(), sigma.y(), sigma.z());
+               landmark.active ? 1 : 0, landmark.p_map.x(), landmark.p_map.y(), landmark.p_map.z(),
+               sigma.x(), sigma.y(), sigma.z());
   }
 }
 

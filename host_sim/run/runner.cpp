@@ -117,7 +117,7 @@ class FrameLoop {
     add_to_hash(hash_, entry.report);
     RegistrationInput registration;
     registration.views = frame.scene_points;
-    if (entry.has_pose()) registration.T_world_camera = to_double(entry.report.T_world_camera);
+    if (entry.has_pose()) registration.T_world_camera = to_double(entry.report.T_map_camera);
     record_.registration_input.push_back(std::move(registration));
     draw(frame, entry);
     record_.frames.push_back(entry);
@@ -128,7 +128,7 @@ class FrameLoop {
   void judge_attitude(FrameRecord& entry) {
     const std::optional<Matrix3<double>> covariance = tracker_.attitude_covariance();
     if (!covariance.has_value()) return;
-    const Rigid<double> estimate = to_double(entry.report.T_world_camera);
+    const Rigid<double> estimate = to_double(entry.report.T_map_camera);
     const Rigid<double>& truth = *entry.true_T_world_camera;
     if (!T_estimate_truth_) {
       T_estimate_truth_ = estimate * truth.inverse();
@@ -155,7 +155,7 @@ class FrameLoop {
     cv::Mat picture;
     cv::cvtColor(frame.grey, picture, cv::COLOR_GRAY2BGR);
     if (entry.report.state == TrackingState::kLost) return picture;
-    const Rigid<double> T_world_camera = to_double(entry.report.T_world_camera);
+    const Rigid<double> T_world_camera = to_double(entry.report.T_map_camera);
     for (const int i : far_to_near(*objects, T_world_camera)) {
       shaded_->draw(to_double((*objects)[i]), T_world_camera, surfaces_, picture);
     }

@@ -20,10 +20,10 @@
 
 namespace cairn::host {
 
-/// A landmark of the map as the host writes it down.
+/// A landmark as the host writes it down, in the map's frame.
 struct MapLandmark {
   LandmarkId id = kNoLandmark;
-  Vector3<double> p_world = Vector3<double>::Zero();
+  Vector3<double> p_map = Vector3<double>::Zero();
   Matrix3<double> covariance = Matrix3<double>::Zero();
   bool active = false;  ///< in the filter; otherwise archived in the library
 };

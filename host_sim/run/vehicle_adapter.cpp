@@ -12,6 +12,8 @@
 #include "host_sim/run/core_conversions.hpp"
 #include "host_sim/run/host_ticks.hpp"
 #include "host_sim/run/input_log_file.hpp"
+#include "host_sim/run/landmark_list.hpp"
+#include "host_sim/run/scene_objects.hpp"
 
 namespace cairn::host {
 namespace {
@@ -27,7 +29,6 @@ class VehicleAdapter : public Tracker {
         work_limit_(options.work_limit),
         filter_name_(options.filter),
         source_name_(source.name) {
-    static_cast<void>(augmenter_.initialise(Augmenter::Parameters{}));
     start(0);
   }
 
@@ -45,28 +46,12 @@ class VehicleAdapter : public Tracker {
         core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
     report.status = status;
     if (report.t_us == frame.t_us) {
-      core_->augment(augmenter_, to_mutable_view(overlay), host_ticks(), report);
+      objects_.draw(*core_, to_mutable_view(overlay), host_ticks(), report);
     }
     return status;
   }
 
-  std::vector<MapLandmark> landmarks() const override {
-    std::vector<MapLandmark> all;
-    const Filter& filter = core_->filter();
-    for (int slot = 0; slot < filter.landmark_count(); ++slot) {
-      all.push_back({filter.landmark_id(slot),
-                     filter.landmark_position(slot).template cast<double>(),
-                     filter.landmark_covariance(slot).template cast<double>(), true});
-    }
-    const auto& library = core_->library();
-    for (int slot = 0; slot < library.size(); ++slot) {
-      const auto& landmark = library[slot];
-      if (filter.find(landmark.id) >= 0) continue;
-      all.push_back({landmark.id, landmark.p_world.template cast<double>(),
-                     landmark.covariance.template cast<double>(), false});
-    }
-    return all;
-  }
+  std::vector<MapLandmark> landmarks() const override { return landmarks_in_map(*core_); }
 
   std::vector<LandmarkId> measured() const override {
     std::vector<LandmarkId> ids;
@@ -89,7 +74,7 @@ class VehicleAdapter : public Tracker {
     estimate.covariance = core_->filter().pose_covariance().template cast<double>();
     return estimate;
   }
-  const Augmenter* objects() const override { return &augmenter_; }
+  const Augmenter* objects() const override { return &objects_.augmenter(); }
 
   nlohmann::json description() const override {
     return {{"mode", "vehicle"},
@@ -113,7 +98,7 @@ class VehicleAdapter : public Tracker {
   std::unique_ptr<Core> core_;
   InputLogHeader header_;
   std::optional<int> work_limit_;
-  Augmenter augmenter_;
+  SceneObjects objects_{kVehicleObjectHeight};
   std::string filter_name_;
   std::string source_name_;
   bool started_ = false;

@@ -35,7 +35,7 @@ class TruthTracker final : public Tracker {
   std::vector<MapLandmark> landmarks() const override {
     MapLandmark landmark;
     landmark.id = 7;
-    landmark.p_world = {1.0, 2.0, 3.0};
+    landmark.p_map = {1.0, 2.0, 3.0};
     landmark.active = true;
     return {landmark};
   }

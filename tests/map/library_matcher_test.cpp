@@ -115,7 +115,7 @@ TEST(LibraryMatcher, MatchesBecomeObservationsOfLandmarksThatStillExist) {
   PoseObservation<float> observations[96];
   ASSERT_EQ(to_observations(*s.library, *s.matcher, matches, count, 1.5F, observations), 59);
   const int slot = s.library->find(matches[1].id);
-  EXPECT_EQ(observations[0].p_world, (*s.library)[slot].p_world);
+  EXPECT_EQ(observations[0].p_map, (*s.library)[slot].p_map);
   EXPECT_EQ(observations[0].pixel.x(), static_cast<float>(matches[1].feature));
   EXPECT_EQ(observations[0].sigma_px, 1.5F);
 }

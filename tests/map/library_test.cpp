@@ -17,10 +17,10 @@ using test::SmallConfig;
 using Library = MapLibrary<SmallConfig>;
 
 /// The same in every way but id and place: equal worth.
-MapLandmark<float> twin(LandmarkMaker& maker, LandmarkId id) {
+LibraryLandmark<float> twin(LandmarkMaker& maker, LandmarkId id) {
   auto l = maker.landmark(id);
-  l.p_world = Vector3<float>(static_cast<float>(id), 0, 0);
-  l.views[0].T_world_reference.translation = l.p_world + Vector3<float>(0, 2, 0);
+  l.p_map = Vector3<float>(static_cast<float>(id), 0, 0);
+  l.views[0].T_map_reference.translation = l.p_map + Vector3<float>(0, 2, 0);
   l.views[0].focal_px = 500;
   l.covariance = 1e-4F * Matrix3<float>::Identity();
   l.searches = 10;
@@ -41,13 +41,12 @@ void expect_neighbours_agree_with_brute_force(const Library& library) {
     for (int b = 0; b < library.size(); ++b) {
       if (a == b) continue;
       const auto& lb = library[b];
-      const float reach =
-          0.025F * ((la.views[0].T_world_reference.translation - la.p_world).norm() +
-                    (lb.views[0].T_world_reference.translation - lb.p_world).norm());
-      expected += (la.p_world - lb.p_world).norm() < reach ? 1 : 0;
+      const float reach = 0.025F * ((la.views[0].T_map_reference.translation - la.p_map).norm() +
+                                    (lb.views[0].T_map_reference.translation - lb.p_map).norm());
+      expected += (la.p_map - lb.p_map).norm() < reach ? 1 : 0;
     }
     ASSERT_EQ(library.neighbours(a), expected);
-    ASSERT_EQ(library.worth(a), landmark_score(la) * 16 / (1 + expected));
+    ASSERT_EQ(library.retention_score(a), landmark_score(la) * 16 / (1 + expected));
   }
 }
 
@@ -137,8 +136,8 @@ TEST(MapLibrary, ACrowdedPlaceGivesWayFirst) {
   for (LandmarkId id = 1; id <= 24; ++id) {
     auto l = twin(maker, id);
     if (id > 20) {  // four at one place, better than the others one by one
-      l.p_world = Vector3<float>(100, 0.001F * static_cast<float>(id), 0);
-      l.views[0].T_world_reference.translation = l.p_world + Vector3<float>(0, 2, 0);
+      l.p_map = Vector3<float>(100, 0.001F * static_cast<float>(id), 0);
+      l.views[0].T_map_reference.translation = l.p_map + Vector3<float>(0, 2, 0);
       l.sightings = 7;
     }
     ASSERT_TRUE(ok(library.insert(l, health)));
@@ -158,8 +157,8 @@ TEST(MapLibrary, BookkeepingSurvivesARandomLife) {
     const unsigned action = maker.bits() % 10U;
     if (action < 5) {
       auto l = maker.landmark(next++);
-      l.p_world *= 0.05F;  // a small room: many neighbours
-      l.views[0].T_world_reference.translation = l.p_world + Vector3<float>(0, 0, 3);
+      l.p_map *= 0.05F;  // a small room: many neighbours
+      l.views[0].T_map_reference.translation = l.p_map + Vector3<float>(0, 0, 3);
       accepted += ok(library.insert(l, health)) ? 1 : 0;
     } else if (!library.empty()) {
       const int slot = static_cast<int>(maker.bits() % static_cast<unsigned>(library.size()));
@@ -169,7 +168,7 @@ TEST(MapLibrary, BookkeepingSurvivesARandomLife) {
       } else if (action < 8) {
         ASSERT_EQ(library.record(l.id, action == 6), Status::kOk);
       } else {
-        l.p_world += 0.05F * maker.position(1);
+        l.p_map += 0.05F * maker.position(1);
         ASSERT_EQ(library.update(l), Status::kOk);
       }
     }
@@ -193,7 +192,7 @@ TEST(MapLibrary, RefusesWhatCannotBeALandmark) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   constexpr Status kInvalid = Status::kInvalidArgument;
   EXPECT_EQ(status_of([](auto& l) { l.id = kNoLandmark; }), kInvalid);
-  EXPECT_EQ(status_of([&](auto& l) { l.p_world.x() = nan; }), Status::kNonFiniteInput);
+  EXPECT_EQ(status_of([&](auto& l) { l.p_map.x() = nan; }), Status::kNonFiniteInput);
   EXPECT_EQ(status_of([&](auto& l) { l.covariance(2, 1) = nan; }), Status::kNonFiniteInput);
   EXPECT_EQ(status_of([](auto& l) { l.covariance(1, 1) = -1; }), kInvalid);
   EXPECT_EQ(status_of([](auto& l) { l.view_count = 0; }), kInvalid);
@@ -201,9 +200,8 @@ TEST(MapLibrary, RefusesWhatCannotBeALandmark) {
   EXPECT_EQ(status_of([](auto& l) { ++(l.sightings = l.searches); }), kInvalid);
   EXPECT_EQ(status_of([](auto& l) { l.views[0].focal_px = 0; }), kInvalid);
   EXPECT_EQ(status_of([](auto& l) { l.views[0].pose.scale_index = 25; }), kInvalid);
-  EXPECT_EQ(status_of([](auto& l) { l.views[0].T_world_reference.rotation.w() += 3; }), kInvalid);
-  EXPECT_EQ(status_of([](auto& l) { l.views[0].T_world_reference.translation = l.p_world; }),
-            kInvalid);
+  EXPECT_EQ(status_of([](auto& l) { l.views[0].T_map_reference.rotation.w() += 3; }), kInvalid);
+  EXPECT_EQ(status_of([](auto& l) { l.views[0].T_map_reference.translation = l.p_map; }), kInvalid);
   EXPECT_EQ(library.update(good), Status::kNotFound);
   EXPECT_EQ(library.remove(1), Status::kNotFound);
   EXPECT_EQ(library.record(1, true), Status::kNotFound);

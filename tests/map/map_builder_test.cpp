@@ -43,15 +43,15 @@ TEST_F(MapBuilderTest, PublishesWhatItWasHanded) {
   EXPECT_EQ(published().size(), 0);
   EXPECT_EQ(builder_->run(*map_, 8), 1);
   ASSERT_EQ(published().size(), 1);
-  EXPECT_EQ(published()[0].p_world, first.p_world);
+  EXPECT_EQ(published()[0].p_map, first.p_map);
 
   auto moved = first;
-  moved.p_world.x() += 0.1F;
+  moved.p_map.x() += 0.1F;
   ASSERT_TRUE(map_->messages.push(store(moved)));
   ASSERT_TRUE(map_->messages.push(sighting(1, true)));
   EXPECT_EQ(builder_->run(*map_, 8), 2);
   ASSERT_EQ(published().size(), 1);
-  EXPECT_EQ(published()[0].p_world, moved.p_world);
+  EXPECT_EQ(published()[0].p_map, moved.p_map);
   EXPECT_EQ(published()[0].sightings, moved.sightings + 1);
 }
 

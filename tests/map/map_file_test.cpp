@@ -41,7 +41,7 @@ ByteSource source_of(Bytes& bytes) {
 
 Library random_library(unsigned seed, int count, bool reversed = false) {
   LandmarkMaker maker(seed);
-  std::vector<MapLandmark<float>> landmarks;
+  std::vector<LibraryLandmark<float>> landmarks;
   for (int i = 0; i < count; ++i) {
     landmarks.push_back(maker.landmark(static_cast<LandmarkId>(10 + 3 * i)));
   }
@@ -70,7 +70,7 @@ TEST(MapFile, WhatIsSavedComesBack) {
   for (int slot = 0; slot < 20; ++slot) {
     const auto& a = library[slot];
     const auto& b = loaded[loaded.find(a.id)];
-    EXPECT_EQ(a.p_world, b.p_world);
+    EXPECT_EQ(a.p_map, b.p_map);
     EXPECT_EQ(a.covariance, b.covariance);
     EXPECT_EQ(a.sightings, b.sightings);
     EXPECT_EQ(a.searches, b.searches);
@@ -80,8 +80,8 @@ TEST(MapFile, WhatIsSavedComesBack) {
     EXPECT_EQ(u.pose.orientation_bin, v.pose.orientation_bin);
     EXPECT_EQ(u.pose.scale_index, v.pose.scale_index);
     EXPECT_EQ(u.focal_px, v.focal_px);
-    EXPECT_EQ(u.T_world_reference.rotation.coeffs(), v.T_world_reference.rotation.coeffs());
-    EXPECT_EQ(u.T_world_reference.translation, v.T_world_reference.translation);
+    EXPECT_EQ(u.T_map_reference.rotation.coeffs(), v.T_map_reference.rotation.coeffs());
+    EXPECT_EQ(u.T_map_reference.translation, v.T_map_reference.translation);
   }
   EXPECT_EQ(saved(loaded), bytes);
 }

@@ -42,10 +42,10 @@ class LandmarkMaker {
   }
 
   template <int Views = 1>
-  MapLandmark<float, Views> landmark(LandmarkId id) {
-    MapLandmark<float, Views> l;
+  LibraryLandmark<float, Views> landmark(LandmarkId id) {
+    LibraryLandmark<float, Views> l;
     l.id = id;
-    l.p_world = position(5);
+    l.p_map = position(5);
     const float sigma = uniform(0.005F, 0.05F);
     l.covariance = sigma * sigma * Matrix3<float>::Identity();
     l.searches = static_cast<std::uint16_t>(bits() % 40U);
@@ -57,9 +57,9 @@ class LandmarkMaker {
       view.pose.orientation_bin = static_cast<std::uint8_t>(bits());
       view.pose.scale_index = static_cast<std::uint8_t>(bits() % 25U);
       view.focal_px = uniform(300, 700);
-      view.T_world_reference.rotation = rotation_exp(position(1.7F));
+      view.T_map_reference.rotation = rotation_exp(position(1.7F));
       const Vector3<float> direction = position(1).normalized();
-      view.T_world_reference.translation = l.p_world + uniform(2, 4) * direction;
+      view.T_map_reference.translation = l.p_map + uniform(2, 4) * direction;
     }
     return l;
   }

@@ -12,13 +12,13 @@ using test::LandmarkMaker;
 using test::SmallConfig;
 using test::vga_camera;
 
-MapLandmark<float> seen_from_origin(LandmarkMaker& maker, LandmarkId id,
-                                    const Vector3<float>& p_world) {
+LibraryLandmark<float> seen_from_origin(LandmarkMaker& maker, LandmarkId id,
+                                        const Vector3<float>& p_map) {
   auto l = maker.landmark(id);
-  l.p_world = p_world;
+  l.p_map = p_map;
   l.views[0].focal_px = 500;
   l.views[0].pose = FreakPose{0, 4};
-  l.views[0].T_world_reference = Rigid<float>();
+  l.views[0].T_map_reference = Rigid<float>();
   return l;
 }
 
@@ -29,7 +29,7 @@ TEST(PredictView, TheReferencePoseGivesTheReferenceBack) {
     auto l = seen_from_origin(maker, 1, Vector3<float>(0.5F, -0.4F, 2.0F));
     l.views[0].pose.orientation_bin = static_cast<std::uint8_t>(5 * i);
     ViewPrediction<float> p;
-    ASSERT_TRUE(ok(predict_view(camera, Rigid<float>(), l.p_world, l.views[0], p)));
+    ASSERT_TRUE(ok(predict_view(camera, Rigid<float>(), l.p_map, l.views[0], p)));
     EXPECT_EQ(p.pose.orientation_bin, l.views[0].pose.orientation_bin);
     EXPECT_EQ(p.pose.scale_index, 4);
     EXPECT_NEAR(p.scale_ratio, 1, 1e-6);
@@ -46,7 +46,7 @@ TEST(PredictView, RollOfTheCameraTurnsThePatternBack) {
     pose.rotation =
         rotation_exp(Vector3<float>(0, 0, kTwoPi<float> / 256 * static_cast<float>(bin)));
     ViewPrediction<float> p;
-    ASSERT_TRUE(ok(predict_view(camera, pose, l.p_world, l.views[0], p)));
+    ASSERT_TRUE(ok(predict_view(camera, pose, l.p_map, l.views[0], p)));
     EXPECT_EQ(p.pose.orientation_bin, (256 - bin) % 256);
   }
 }
@@ -58,14 +58,14 @@ TEST(PredictView, ComingNearerRaisesTheScale) {
   Rigid<float> pose;
   pose.translation.z() = 2;
   ViewPrediction<float> p;
-  ASSERT_TRUE(ok(predict_view(camera, pose, l.p_world, l.views[0], p)));
+  ASSERT_TRUE(ok(predict_view(camera, pose, l.p_map, l.views[0], p)));
   EXPECT_NEAR(p.scale_ratio, 2, 1e-5);
   EXPECT_EQ(p.pose.scale_index, 4 + 16);
   pose.translation.z() = 3.9F;
-  ASSERT_TRUE(ok(predict_view(camera, pose, l.p_world, l.views[0], p)));
+  ASSERT_TRUE(ok(predict_view(camera, pose, l.p_map, l.views[0], p)));
   EXPECT_EQ(p.pose.scale_index, 24);
   pose.translation.z() = 5;
-  EXPECT_EQ(predict_view(camera, pose, l.p_world, l.views[0], p), Status::kOutOfView);
+  EXPECT_EQ(predict_view(camera, pose, l.p_map, l.views[0], p), Status::kOutOfView);
 }
 
 TEST(FindVisible, GivesWhatAPoseShouldSeeMostWorthFirst) {
@@ -120,7 +120,7 @@ TEST(FindVisible, LeavesOutViewsThatCannotBeMatched) {
   pose.translation = Vector3<float>(3, 0, 3);
   pose.rotation = rotation_exp(Vector3<float>(0, -kHalfPi<float>, 0));
   ViewPrediction<float> p;
-  ASSERT_TRUE(ok(predict_view(camera, pose, library[0].p_world, library[0].views[0], p)));
+  ASSERT_TRUE(ok(predict_view(camera, pose, library[0].p_map, library[0].views[0], p)));
   EXPECT_NEAR(p.cosine, 0, 1e-5);
   EXPECT_EQ(find_visible(library, camera, pose, options, {}, out, 2), 0);
   EXPECT_EQ(find_visible(library, camera, Rigid<float>(), options, {}, out, 2), 1);
@@ -131,11 +131,11 @@ TEST(FindVisible, TheNearestViewIsChosen) {
   const auto camera = vga_camera<float>();
   MapLibrary<SmallConfig, 2> library;
   Health health;
-  MapLandmark<float, 2> l = maker.landmark<2>(1);
-  l.p_world = Vector3<float>(0, 0, 3);
+  LibraryLandmark<float, 2> l = maker.landmark<2>(1);
+  l.p_map = Vector3<float>(0, 0, 3);
   l.view_count = 2;
-  for (auto& view : l.views) view = seen_from_origin(maker, 1, l.p_world).views[0];
-  l.views[0].T_world_reference.translation = Vector3<float>(2, 0, 0);
+  for (auto& view : l.views) view = seen_from_origin(maker, 1, l.p_map).views[0];
+  l.views[0].T_map_reference.translation = Vector3<float>(2, 0, 0);
   ASSERT_TRUE(ok(library.insert(l, health)));
   VisibleLandmark<float> out[1];
   ASSERT_EQ(find_visible(library, camera, Rigid<float>(), {}, {}, out, 1), 1);

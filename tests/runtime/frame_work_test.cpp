@@ -56,7 +56,7 @@ TEST_F(VehicleWithAWorkLimit, StepsDownTheLadderAsTheLimitShrinks) {
   drive(6, 2600);
   EXPECT_LE(most_work(), 2600);
   EXPECT_EQ(count(FrameCut::kNone) + count(FrameCut::kPredictionOnly), 0);
-  EXPECT_GE(reports_.back().inliers, Vehicle::Parameters{}.evidence.min_inliers);
+  EXPECT_GE(reports_.back().inliers, Vehicle::Parameters{}.monitor.min_inliers);
   EXPECT_LT(reports_.back().inliers, usual);
   EXPECT_EQ(reports_.back().state, TrackingState::kTracking);
 
@@ -79,7 +79,7 @@ TEST_F(VehicleWithAWorkLimit, IsBackWithinFiveFrames) {
   EXPECT_GE(reports_.back().landmarks, landmarks - 8);  // remembered positions may end
   drive(5, kOwnLimit);
   EXPECT_EQ(reports_.back().state, TrackingState::kTracking);
-  EXPECT_GE(reports_.back().inliers, Vehicle::Parameters{}.evidence.min_inliers);
+  EXPECT_GE(reports_.back().inliers, Vehicle::Parameters{}.monitor.min_inliers);
   EXPECT_LT(position_error(), 0.05);
 }
 

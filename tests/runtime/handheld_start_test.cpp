@@ -21,9 +21,9 @@ class StartOnTrial : public ::testing::Test {
 
   StartOnTrial() {
     Handheld::Parameters parameters;
-    parameters.start_misfit = -1.0F;
-    parameters.max_restarts = 1;
-    block_ = parameters.start_block_frames;
+    parameters.start.max_misfit = -1.0F;
+    parameters.start.max_restarts = 1;
+    block_ = parameters.start.block_frames;
     EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), parameters)));
   }
 

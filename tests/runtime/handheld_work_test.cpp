@@ -14,7 +14,7 @@ namespace {
 
 using Handheld = HandheldTracker<DefaultConfig>;
 
-/// GIVEN a camera in the hand that moves before two textured planes.
+/// GIVEN a hand-held camera that moves before two textured planes.
 class HandheldWithAWorkLimit : public ::testing::Test {
  protected:
   static constexpr int kWarm = 60;
@@ -22,7 +22,7 @@ class HandheldWithAWorkLimit : public ::testing::Test {
 
   HandheldWithAWorkLimit() {
     Handheld::Parameters parameters;
-    parameters.start_blocks = 3;
+    parameters.start.blocks = 3;
     own_limit_ = parameters.work_limit;
     EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), parameters)));
     move(kWarm, own_limit_);
@@ -67,7 +67,7 @@ TEST_F(HandheldWithAWorkLimit, StepsDownTheLadderAsTheLimitShrinks) {
   move(6, 2500);
   EXPECT_LE(most_work(), 2500);
   EXPECT_EQ(count(FrameCut::kNone) + count(FrameCut::kPredictionOnly), 0);
-  EXPECT_GE(usual_inliers(), Handheld::Parameters{}.min_inliers);
+  EXPECT_GE(usual_inliers(), Handheld::Parameters{}.monitor.min_inliers);
   EXPECT_LT(usual_inliers(), usual);
   EXPECT_EQ(reports_.back().state, TrackingState::kTracking);
 
@@ -101,7 +101,7 @@ TEST_F(HandheldWithAWorkLimit, GoesOnMappingUnderATightLimit) {
   EXPECT_EQ(reports_.back().state, TrackingState::kTracking);
 }
 
-/// Noise has a corner everywhere: windows, cells and the look-up are at their dearest.
+/// Noise has a corner everywhere: windows, cells and the relocalisation take the most work.
 TEST_F(HandheldWithAWorkLimit, StaysWithinItInNoiseAndWhileLost) {
   Random random(3);
   std::vector<std::uint8_t> noise(test::two_walls(0).size());

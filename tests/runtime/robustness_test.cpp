@@ -87,7 +87,7 @@ TEST_F(VehicleInATrickyPlace, ARestingCameraDoesNotJitter) {
     Vector2<float> pixel;
     const Vector3<float> p_world(static_cast<float>(truth_), 2.0F, 1.0F);
     ASSERT_TRUE(
-        ok(test::to_float(camera).project(report_.T_world_camera.inverse() * p_world, pixel)));
+        ok(test::to_float(camera).project(report_.T_map_camera.inverse() * p_world, pixel)));
     if (k > 0) {
       sum += static_cast<double>((pixel - before).squaredNorm());
       ++count;

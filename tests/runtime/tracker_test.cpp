@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/runtime/augmentation.hpp"
 #include "cairn/runtime/handheld_tracker.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
 
@@ -98,9 +99,9 @@ TEST_F(HandheldAtAWall, KeepsAGoodStart) {
 TEST_F(HandheldAtAWall, SaysThatAStartWhichDoesNotFitIsLostAndBeginsAnewAtItsPose) {
   // GIVEN a trial that no start passes, of blocks of eight frames, and one restart allowed
   Handheld::Parameters parameters;
-  parameters.start_misfit = 1e-6F;
-  parameters.start_block_frames = 8;
-  parameters.max_restarts = 1;
+  parameters.start.max_misfit = 1e-6F;
+  parameters.start.block_frames = 8;
+  parameters.start.max_restarts = 1;
   ASSERT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), parameters)));
   Rigid<float> before;
   for (int k = 0; k < kFrames; ++k) {
@@ -268,12 +269,16 @@ TEST_F(VehicleAtAWall, BadOdometryIsRefusedAndCounted) {
 }
 
 TEST_F(VehicleAtAWall, DrawsAnObjectOnceItTracks) {
+  VirtualObject shape;
+  ASSERT_TRUE(ok(make_cairn(1.0F, shape)));
   Augmenter augmenter;
-  ASSERT_TRUE(ok(augmenter.initialise({})));
+  augmenter.initialise(shape, {});
+  ObjectPlacement placement{{3.5F, 0.7F, 0.0F}, Random(1)};
   for (int k = 0; k < kFrames; ++k) {
     static_cast<void>(step(*tracker_, k, report_));
     Image overlay = frames()[static_cast<std::size_t>(k)];
-    tracker_->augment(augmenter, {overlay.data(), 320, 240, 320}, TickSource{}, report_);
+    augment(*tracker_, augmenter, placement, {overlay.data(), 320, 240, 320}, TickSource{},
+            report_);
   }
   EXPECT_GE(augmenter.size(), 1);
 }

@@ -37,14 +37,15 @@ constexpr Parts vehicle() {
   using Filter = cairn::GroupIekfSlam<float, Config::kMaxLandmarks, 3>;
   using Tracker = cairn::VehicleTracker<Config, Filter>;
   return {sizeof(Filter),
-          sizeof(cairn::LandmarkTable<Config::kMaxLandmarks>) + sizeof(typename Tracker::Pool),
+          sizeof(cairn::TrackedLandmarks<Config::kMaxLandmarks>) +
+              sizeof(typename Tracker::Frames::LocalMap::Seeds),
           vision_bytes<typename Tracker::Supply>(), sizeof(Tracker)};
 }
 
 template <class Config>
 constexpr Parts handheld() {
   using Tracker = cairn::HandheldTracker<Config>;
-  return {sizeof(typename Tracker::Filter), sizeof(cairn::LandmarkTable<Config::kMaxFeatures>),
+  return {sizeof(typename Tracker::Filter), sizeof(cairn::TrackedLandmarks<Config::kMaxFeatures>),
           vision_bytes<typename Tracker::Supply>(), sizeof(Tracker)};
 }
 

@@ -39,10 +39,10 @@ cairn::Descriptor descriptor(cairn::Random& random) {
   return result;
 }
 
-cairn::MapLandmark<float> landmark(cairn::LandmarkId id, cairn::Random& random) {
-  cairn::MapLandmark<float> result;
+cairn::LibraryLandmark<float> landmark(cairn::LandmarkId id, cairn::Random& random) {
+  cairn::LibraryLandmark<float> result;
   result.id = id;
-  result.p_world = {uniform(random, -5, 5), uniform(random, -5, 5), uniform(random, 2, 8)};
+  result.p_map = {uniform(random, -5, 5), uniform(random, -5, 5), uniform(random, 2, 8)};
   result.covariance = 1e-4F * cairn::Matrix3<float>::Identity();
   result.searches = 20;
   result.sightings = static_cast<std::uint16_t>(random.below(20));
@@ -73,7 +73,7 @@ void measure() {
     static_cast<void>(library.insert(landmark(id, random), health));
     ++id;
   }
-  const cairn::MapLandmark<float> newcomer = landmark(id, random);
+  const cairn::LibraryLandmark<float> newcomer = landmark(id, random);
   std::uint32_t start = cairn_port_ticks();
   static_cast<void>(library.insert(newcomer, health));
   print(Landmarks, "archive", cairn_port_ticks() - start);

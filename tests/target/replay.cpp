@@ -12,12 +12,12 @@
 
 #include <cstdint>
 
-#include "cairn/ar/augmenter.hpp"
 #include "cairn/base/config.hpp"
 #include "cairn/base/fixed_vector.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/port/files.h"
 #include "cairn/port/port.h"
+#include "cairn/runtime/augmentation.hpp"
 
 #include "text.hpp"
 
@@ -55,6 +55,7 @@ using Tracker = cairn::HandheldTracker<Config>;
 CAIRN_IN_FRAME_MEMORY std::uint8_t pixels[Config::kMaxImageWidth * Config::kMaxImageHeight];
 Tracker tracker;
 cairn::Augmenter augmenter;
+cairn::ObjectPlacement placement{{3.5F, 0.7F, 0.0F}, cairn::Random(1)};
 
 struct Options {
   int frames = 0;
@@ -155,7 +156,9 @@ FrameTicks process(const cairn::LogFrame& frame, const cairn::MutableImageView& 
   cairn::replay_work_limit(frame, tracker);
   spent.odometry = cairn_port_ticks() - begin;
   report.status = tracker.process_frame(image, frame.t_us, ticks, report);
-  if (options.with_overlay) tracker.augment(augmenter, image, ticks, report);
+  if (options.with_overlay) {
+    cairn::augment(tracker, augmenter, placement, image, ticks, report);
+  }
   cairn_frame_end();
   spent.total = cairn_port_ticks() - begin;
   return spent;
@@ -178,8 +181,10 @@ int replay(File& file, const Options& options) {
   cairn::Status status = reader.open(header);
   if (!ok(status)) return fail("log", status);
   status = cairn::start_replay(header, tracker);
-  if (ok(status)) status = augmenter.initialise(cairn::Augmenter::Parameters{});
+  cairn::VirtualObject shape;
+  if (ok(status)) status = cairn::make_cairn(1.0F, shape);
   if (!ok(status)) return fail("start", status);
+  augmenter.initialise(shape, cairn::Augmenter::Parameters{});
 
   const cairn::MutableImageView image{pixels, header.camera.width, header.camera.height,
                                       header.camera.width};

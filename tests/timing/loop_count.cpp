@@ -4,8 +4,8 @@
 //
 //   loop_count --profile FILE [--log LOG]... [--search TRIES [--seed N]]
 //
-// --log: replays an input log. --search: tries stress scenes, each bred from the dearest so far,
-// and prints the dearest. Built by Clang with its profile counters (preset host-loops).
+// --log: replays an input log. --search: tries stress scenes, each evolved from the most expensive so far,
+// and prints the most expensive. Built by Clang with its profile counters (preset host-loops).
 
 #include <algorithm>
 #include <cstdio>
@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "cairn/ar/augmenter.hpp"
 #include "cairn/base/config.hpp"
 #include "cairn/numeric/random.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/runtime/augmentation.hpp"
 #include "cairn/runtime/replay.hpp"
 
 #include "host_sim/world/stress_scene.hpp"
@@ -82,10 +82,16 @@ template <class Tracker>
 struct Machine {
   Tracker tracker;
   cairn::Augmenter augmenter;
+  cairn::ObjectPlacement placement{{3.5F, 0.7F, 0.0F}, cairn::Random(1)};
 
   bool start(const cairn::InputLogHeader& header) {
-    return cairn::ok(cairn::start_replay(header, tracker)) &&
-           cairn::ok(augmenter.initialise(cairn::Augmenter::Parameters{}));
+    cairn::VirtualObject shape;
+    if (!cairn::ok(cairn::start_replay(header, tracker)) ||
+        !cairn::ok(cairn::make_cairn(1.0F, shape))) {
+      return false;
+    }
+    augmenter.initialise(shape, cairn::Augmenter::Parameters{});
+    return true;
   }
 
   std::uint64_t frame(const std::vector<cairn::OdometrySample>& odometry, std::int64_t t_us,
@@ -96,7 +102,7 @@ struct Machine {
     }
     cairn::FrameReport report;
     report.status = tracker.process_frame(image, t_us, cairn::TickSource{}, report);
-    tracker.augment(augmenter, image, cairn::TickSource{}, report);
+    cairn::augment(tracker, augmenter, placement, image, cairn::TickSource{}, report);
     return counters.end_frame();
   }
 };

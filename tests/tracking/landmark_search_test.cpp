@@ -63,14 +63,14 @@ class SearchOfLandmarks : public ::testing::Test {
     prediction.p_camera =
         static_cast<float>(kDepth) * filter_.image_camera.unproject(prediction.pixel);
     filter_.predictions.push_back(prediction);
-    table_.add(landmark);
+    landmarks_.add(landmark);
   }
   void search(int most, WorkBudget& budget, SearchPass pass = SearchPass::kAll,
               SearchOrder order = SearchOrder::kMostUncertain) {
     matches_.clear();
     totals_ = SearchTotals();
-    search_landmarks(image(), filter_, pass, order, table_, parameters_, most, *scratch_, matches_,
-                     totals_, budget);
+    search_landmarks(image(), filter_, pass, order, landmarks_, parameters_, most, *scratch_,
+                     matches_, totals_, budget);
   }
   void search(int most, SearchPass pass = SearchPass::kAll) {
     WorkBudget unlimited;
@@ -82,7 +82,7 @@ class SearchOfLandmarks : public ::testing::Test {
   }
 
   Filter filter_;
-  LandmarkTable<kCapacity> table_;
+  TrackedLandmarks<kCapacity> landmarks_;
   SearchParameters parameters_;
   std::unique_ptr<SearchScratch> scratch_ = std::make_unique<SearchScratch>();
   FixedVector<PixelMatch<float>, kCapacity> matches_;
@@ -101,7 +101,7 @@ TEST_F(SearchOfLandmarks, FindsThemAllTheMostUncertainFirst) {
     const Vector2<float> off =
         matches_[i].pixel - filter_.predictions[static_cast<std::size_t>(slot)].pixel;
     EXPECT_LT(off.norm(), 1.0F);
-    const TrackedLandmark& landmark = *table_.find(matches_[i].id);
+    const TrackedLandmark& landmark = *landmarks_.find(matches_[i].id);
     EXPECT_TRUE(landmark.searched);
     EXPECT_EQ(landmark.predicted, 1);
     EXPECT_EQ(landmark.misses, 1);  // until the filter has used the match
@@ -112,16 +112,16 @@ TEST_F(SearchOfLandmarks, DefersTheBestKnownBeyondTheCount) {
   search(3);
   EXPECT_EQ(totals_.searched, 3);
   EXPECT_EQ(totals_.deferred, count() - 3);
-  EXPECT_TRUE(table_.find(static_cast<LandmarkId>(count()))->searched);
-  EXPECT_FALSE(table_.find(1)->searched);
-  EXPECT_EQ(table_.find(1)->predicted, 0);
+  EXPECT_TRUE(landmarks_.find(static_cast<LandmarkId>(count()))->searched);
+  EXPECT_FALSE(landmarks_.find(1)->searched);
+  EXPECT_EQ(landmarks_.find(1)->predicted, 0);
 }
 
 TEST_F(SearchOfLandmarks, TakesTheRestInASecondPass) {
   search(3);
   search(kCapacity, SearchPass::kRest);
   EXPECT_EQ(totals_.searched, count() - 3);
-  for (const TrackedLandmark& landmark : table_) EXPECT_EQ(landmark.predicted, 1);
+  for (const TrackedLandmark& landmark : landmarks_) EXPECT_EQ(landmark.predicted, 1);
 }
 
 TEST_F(SearchOfLandmarks, StaysWithinTheWork) {
@@ -137,7 +137,8 @@ TEST_F(SearchOfLandmarks, StaysWithinTheWork) {
   EXPECT_EQ(none.spent(), 0);
 }
 
-/// Small windows tell the others' windows: where not all can be paid, they may come first.
+/// An update with small windows makes the others smaller: they may come first where the work does
+/// not suffice for all.
 TEST_F(SearchOfLandmarks, BeginsWithTheBestKnownWhenCut) {
   WorkBudget enough;
   search(kCapacity, enough, SearchPass::kAll, SearchOrder::kBestKnown);
@@ -156,16 +157,16 @@ TEST_F(SearchOfLandmarks, CountsFramesOutOfView) {
   search(kCapacity);
   EXPECT_EQ(totals_.searched, count() - 2);
   EXPECT_EQ(totals_.deferred, 0);
-  EXPECT_EQ(table_.find(1)->frames_out_of_view, 2);
-  EXPECT_EQ(table_.find(2)->frames_out_of_view, 2);
-  EXPECT_EQ(table_.find(1)->predicted, 0);
+  EXPECT_EQ(landmarks_.find(1)->frames_out_of_view, 2);
+  EXPECT_EQ(landmarks_.find(2)->frames_out_of_view, 2);
+  EXPECT_EQ(landmarks_.find(1)->predicted, 0);
   filter_.predictions[0].pixel = filter_.predictions[2].pixel;
   search(kCapacity);
-  EXPECT_EQ(table_.find(1)->frames_out_of_view, 0);
+  EXPECT_EQ(landmarks_.find(1)->frames_out_of_view, 0);
 }
 
-TEST_F(SearchOfLandmarks, LeavesOutWhatTheTableDoesNotKnow) {
-  table_.remove(static_cast<LandmarkId>(count()));  // a remembered position, say
+TEST_F(SearchOfLandmarks, LeavesOutWhatTheTrackerHasNoRecordOf) {
+  landmarks_.remove(static_cast<LandmarkId>(count()));  // a remembered position, say
   search(kCapacity);
   EXPECT_EQ(totals_.searched, count() - 1);
 }

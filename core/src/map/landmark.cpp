@@ -25,15 +25,15 @@ std::uint8_t angle_bin(T angle) {
 }  // namespace
 
 template <class T>
-Status predict_view(const PinholeCamera<T>& camera, const Rigid<T>& T_world_camera,
-                    const Vector3<T>& p_world, const LandmarkView<T>& view,
+Status predict_view(const PinholeCamera<T>& camera, const Rigid<T>& T_map_camera,
+                    const Vector3<T>& p_map, const LandmarkView<T>& view,
                     ViewPrediction<T>& prediction) {
-  const Vector3<T> p_camera = T_world_camera.inverse() * p_world;
+  const Vector3<T> p_camera = T_map_camera.inverse() * p_map;
   Vector2<T> pixel;
   Matrix<T, 2, 3> jacobian;
   const Status status = camera.project(p_camera, pixel, jacobian);
   if (!ok(status)) return status;
-  const Vector3<T> p_reference = view.T_world_reference.inverse() * p_world;
+  const Vector3<T> p_reference = view.T_map_reference.inverse() * p_map;
   if (!(p_reference.z() >= PinholeCamera<T>::kMinDepth)) return Status::kOutOfView;
   T sine = T(0);
   T cosine = T(1);
@@ -42,11 +42,11 @@ Status predict_view(const PinholeCamera<T>& camera, const Rigid<T>& T_world_came
   // Moving along the ray does not move the pixel.
   axis -= (axis.dot(p_reference) / p_reference.squaredNorm()) * p_reference;
   const Quaternion<T> R_camera_reference =
-      T_world_camera.rotation.conjugate() * view.T_world_reference.rotation;
+      T_map_camera.rotation.conjugate() * view.T_map_reference.rotation;
   const Vector2<T> in_image = jacobian * (R_camera_reference * axis);
 
-  const Vector3<T> to_camera = T_world_camera.translation - p_world;
-  const Vector3<T> to_reference = view.T_world_reference.translation - p_world;
+  const Vector3<T> to_camera = T_map_camera.translation - p_map;
+  const Vector3<T> to_reference = view.T_map_reference.translation - p_map;
   prediction.pixel = pixel;
   prediction.p_camera = p_camera;
   prediction.cosine =

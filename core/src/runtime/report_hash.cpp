@@ -9,8 +9,8 @@ void add_to_hash(Hash64& hash, const FrameReport& report) {
   hash.add(static_cast<std::uint8_t>(report.status));
   hash.add(static_cast<std::uint8_t>(report.state));
   hash.add(static_cast<std::uint8_t>(report.cut));
-  const Quaternion<float>& q = report.T_world_camera.rotation;
-  const Vector3<float>& p = report.T_world_camera.translation;
+  const Quaternion<float>& q = report.T_map_camera.rotation;
+  const Vector3<float>& p = report.T_map_camera.translation;
   for (const float value : {q.w(), q.x(), q.y(), q.z(), p.x(), p.y(), p.z()}) hash.add(value);
   for (const int value :
        {report.corners, report.candidates, report.matches, report.inliers, report.landmarks,

@@ -7,31 +7,28 @@
 
 namespace cairn {
 
-/// The virtual objects of a scene: fixed places in the map, drawn into frames (paper A, step 2.5).
-/// One shape, up to kMaxObjects places.
+/// The virtual objects of a scene: one shape at up to kMaxObjects fixed places in the map, drawn
+/// into frames (paper A, step 2.5). The application chooses the shape and the places.
 class Augmenter {
  public:
   static constexpr int kMaxObjects = 8;
 
   struct Parameters {
-    float height_m = 1.0F;
-    int frames_without_object = 45;  ///< none in view for so long: a new one is placed
+    int frames_without_object = 45;  ///< none in view for so long: a new one is wanted
     DrawStyle style;
   };
 
-  /// Starts with no object. kInvalidArgument for a height that is not positive.
-  Status initialise(const Parameters& parameters) {
-    const Status status = make_cairn(parameters.height_m, shape_);
-    if (!ok(status)) return status;
+  /// Starts with no object in view: one is wanted at once.
+  void initialise(const VirtualObject& shape, const Parameters& parameters) {
+    shape_ = shape;
     parameters_ = parameters;
     places_.clear();
     frames_without_ = parameters.frames_without_object;
-    return Status::kOk;
   }
 
   /// Puts an object at a place in the map. kFull.
-  Status place(const Rigid<float>& T_world_object) {
-    if (!places_.push_back(T_world_object)) return Status::kFull;
+  Status place(const Rigid<float>& T_map_object) {
+    if (!places_.push_back(T_map_object)) return Status::kFull;
     frames_without_ = 0;
     return Status::kOk;
   }
@@ -47,15 +44,15 @@ class Augmenter {
 
   /// Draws every object that is in view, far ones first; returns how many. Cost: draw_object() for
   /// each of at most kMaxObjects.
-  int draw(const PinholeCamera<float>& camera, const Rigid<float>& T_world_camera,
+  int draw(const PinholeCamera<float>& camera, const Rigid<float>& T_map_camera,
            const MutableImageView& image) {
     int order[kMaxObjects];
-    sort_far_to_near(T_world_camera, order);
+    sort_far_to_near(T_map_camera, order);
     int drawn = 0;
     for (int i = 0; i < places_.size(); ++i) {
       DrawReport report;
-      if (ok(draw_object(shape_, places_[order[i]], camera, T_world_camera, parameters_.style,
-                         image, report))) {
+      if (ok(draw_object(shape_, places_[order[i]], camera, T_map_camera, parameters_.style, image,
+                         report))) {
         ++drawn;
       }
     }
@@ -64,10 +61,10 @@ class Augmenter {
   }
 
  private:
-  void sort_far_to_near(const Rigid<float>& T_world_camera, int* order) const {
+  void sort_far_to_near(const Rigid<float>& T_map_camera, int* order) const {
     float distance[kMaxObjects];
     for (int i = 0; i < places_.size(); ++i) {
-      const Vector3<float> d = places_[i].translation - T_world_camera.translation;
+      const Vector3<float> d = places_[i].translation - T_map_camera.translation;
       const float squared = d.dot(d);
       int k = i;
       for (; k > 0 && distance[k - 1] < squared; --k) {

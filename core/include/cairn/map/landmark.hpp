@@ -16,24 +16,24 @@ namespace cairn {
 template <class T>
 struct LandmarkView {
   Descriptor descriptor;
-  FreakPose pose;              ///< the pattern's pose at description: reference roll and scale
-  T focal_px = T(0);           ///< mean focal length of the camera at description
-  Rigid<T> T_world_reference;  ///< camera pose at description: distance and viewing direction
+  FreakPose pose;            ///< the pattern's pose at description: reference roll and scale
+  T focal_px = T(0);         ///< mean focal length of the camera at description
+  Rigid<T> T_map_reference;  ///< camera pose at description: distance and viewing direction
 };
 
 /// One archived landmark. `Views`: descriptors kept for it.
 template <class T, int Views = 1>
-struct MapLandmark {
+struct LibraryLandmark {
   static constexpr int kViews = Views;
   LandmarkId id = kNoLandmark;
-  Vector3<T> p_world = Vector3<T>::Zero();     ///< m
+  Vector3<T> p_map = Vector3<T>::Zero();       ///< m, in the map's frame
   Matrix3<T> covariance = Matrix3<T>::Zero();  ///< own part, beside the map as a whole, m^2
-  std::uint16_t sightings = 0;  ///< times it was found where it was looked for; saturates
-  std::uint16_t searches = 0;   ///< times it was looked for; saturates, with sightings halved too
-  std::uint8_t view_count = 0;  ///< 1 .. Views
+  std::uint16_t sightings = 0;                 ///< searches that found it; saturates
+  std::uint16_t searches = 0;                  ///< saturates, with sightings halved too
+  std::uint8_t view_count = 0;                 ///< 1 .. Views
   LandmarkView<T> views[Views];
 
-  /// Notes that it was looked for, and whether it was found.
+  /// Counts a search for it, and whether it was found.
   void record(bool seen) {
     if (searches == 0xFFFFU) {
       searches = static_cast<std::uint16_t>(searches / 2);
@@ -44,16 +44,16 @@ struct MapLandmark {
   }
 };
 
-/// Worth of a landmark by itself, 0 .. 65535: the product of
+/// Score of a landmark by itself, 0 .. 65535: the product of
 ///   reliability (sightings + 1) / (searches + 2),
 ///   support     1/4 + 3/4 min(sightings, 16) / 16,
 ///   precision   1 / (1 + (s / 4 px)^2), s the rms deviation of the point seen from its first view.
 template <class T, int Views>
-int landmark_score(const MapLandmark<T, Views>& landmark) {
+int landmark_score(const LibraryLandmark<T, Views>& landmark) {
   constexpr int kFullSupport = 16;
   constexpr int kHalfPrecisionPx = 4;
   const LandmarkView<T>& view = landmark.views[0];
-  const T distance_squared = (view.T_world_reference.translation - landmark.p_world).squaredNorm();
+  const T distance_squared = (view.T_map_reference.translation - landmark.p_map).squaredNorm();
   const T variance_px =
       landmark.covariance.trace() / T(3) * view.focal_px * view.focal_px / distance_squared;
   const T precision = T(1) / (T(1) + variance_px / T(kHalfPrecisionPx * kHalfPrecisionPx));
@@ -83,8 +83,8 @@ inline constexpr int kMaxFreakScaleIndex = 24;
 /// / z_ref). kOutOfView, output untouched, when the point has no pixel in one of the two cameras;
 /// the pixel may lie outside the image.
 template <class T>
-Status predict_view(const PinholeCamera<T>& camera, const Rigid<T>& T_world_camera,
-                    const Vector3<T>& p_world, const LandmarkView<T>& view,
+Status predict_view(const PinholeCamera<T>& camera, const Rigid<T>& T_map_camera,
+                    const Vector3<T>& p_map, const LandmarkView<T>& view,
                     ViewPrediction<T>& prediction);
 
 extern template Status predict_view(const PinholeCamera<float>&, const Rigid<float>&,

@@ -11,18 +11,18 @@ namespace cairn {
 
 /// Bounded library of archived landmarks, all storage inside.
 ///
-/// Admission and replacement. A landmark's worth is its score (landmark_score) divided by one plus
-/// the number of its neighbours, so that a crowded place gives way before a lone landmark does. Two
-/// landmarks are neighbours when they are nearer to each other than 5 % of the mean distance from
-/// which they were described. When the library is full, a newcomer replaces the landmark of least
-/// worth if it is worth more, and is refused otherwise. Ties: fewer sightings lose, then the
-/// younger (higher) id; slots never decide, so the choice does not depend on the order in which
-/// landmarks came.
+/// Admission and replacement. A landmark's retention score is its own score (landmark_score)
+/// divided by one plus the number of its neighbours, so that crowded places lose landmarks first.
+/// Two landmarks are neighbours when they are nearer to each other than 5 % of the mean distance
+/// from which they were described. When the library is full, a new landmark replaces the one with
+/// the lowest retention score if its own is higher, and is refused otherwise. Ties: the one with
+/// fewer sightings is replaced, then the one with the higher id. Slots never decide, so the result
+/// does not depend on the order in which landmarks came.
 template <class Config, int Views = 1>
 class MapLibrary {
  public:
   using Scalar = typename Config::Scalar;
-  using Landmark = MapLandmark<Scalar, Views>;
+  using Landmark = LibraryLandmark<Scalar, Views>;
   static constexpr int kCapacity = Config::kLibraryLandmarks;
   static constexpr int kViews = Views;
   static_assert(kCapacity > 0 && kCapacity <= 4096, "slots are searched linearly");
@@ -31,8 +31,8 @@ class MapLibrary {
   int size() const { return landmarks_.size(); }
   bool empty() const { return landmarks_.empty(); }
   const Landmark& operator[](int slot) const { return landmarks_[slot]; }
-  /// Score over (1 + neighbours), times 16 so that rounding keeps the order.
-  int worth(int slot) const { return worth_of(score_[slot], neighbours_[slot]); }
+  /// landmark_score() / (1 + neighbours), times 16 so that rounding keeps the order.
+  int retention_score(int slot) const { return retention_of(score_[slot], neighbours_[slot]); }
   int neighbours(int slot) const { return neighbours_[slot]; }
 
   /// Counts every change of the content; equal revisions of one library mean equal content.
@@ -46,8 +46,8 @@ class MapLibrary {
     return -1;
   }
 
-  /// Adds a landmark, replacing one of less worth when full.
-  /// kDuplicate: the id is in the library (see update). kFull: nothing in it is worth less.
+  /// Adds a landmark; a full library replaces the one with the lowest retention score.
+  /// kDuplicate: the id is in the library (see update). kFull: none has a lower score.
   /// kNonFiniteInput, kInvalidArgument: see validate(). Cost: two passes over the library.
   Status insert(const Landmark& landmark, Health& health);
 
@@ -57,7 +57,7 @@ class MapLibrary {
   /// Removes a landmark by moving the last one into its slot. kNotFound.
   Status remove(LandmarkId id);
 
-  /// Notes that a landmark was looked for, and whether it was found. kNotFound.
+  /// Counts a search for a landmark, and whether it was found. kNotFound.
   Status record(LandmarkId id, bool seen);
 
   void clear() {
@@ -71,15 +71,17 @@ class MapLibrary {
   static Status validate(const Landmark& landmark);
 
  private:
-  static constexpr int kWorthUnit = 16;
+  static constexpr int kScoreUnit = 16;
 
-  static int worth_of(int score, int neighbours) { return score * kWorthUnit / (1 + neighbours); }
+  static int retention_of(int score, int neighbours) {
+    return score * kScoreUnit / (1 + neighbours);
+  }
   static bool are_neighbours(const Landmark& a, const Landmark& b);
   int count_neighbours(const Landmark& landmark, int except_slot) const;
   void add_to_neighbours(const Landmark& landmark, int except_slot, int change);
   void place(int slot, const Landmark& landmark);
-  bool worth_less(int slot, int worth, const Landmark& landmark) const;
-  int least_worth_slot() const;
+  bool gives_way(int slot, int retention_score, const Landmark& landmark) const;
+  int weakest_slot() const;
 
   FixedVector<Landmark, kCapacity> landmarks_;
   std::uint16_t neighbours_[kCapacity] = {};

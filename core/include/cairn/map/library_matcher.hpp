@@ -10,7 +10,7 @@
 namespace cairn {
 
 struct LibraryMatcherOptions {
-  int max_prefix_distance = 40;  ///< of the first 16 bytes (128 bits); more: the pair is given up
+  int max_prefix_distance = 40;  ///< of the first 16 bytes (128 bits); beyond: no match
   int max_distance = 120;        ///< of all 512 bits
   /// A landmark's best feature must be nearer than this share of its second best one, in 1/256; the
   /// same between the best two landmarks of one feature.
@@ -28,12 +28,13 @@ struct LibraryMatch {
 int hamming_prefix_distance(const Descriptor& a, const Descriptor& b);
 
 /// Matches the descriptors of one frame against a whole library, a bounded number of pairs at a
-/// time, so that a lost tracker can spread the work over frames. Brute force with a cascade: pairs
-/// whose first 16 bytes differ too much are given up. A match is kept when the feature is clearly
-/// the landmark's best one and the landmark clearly the feature's best one.
+/// time, so that a lost tracker can spread the work over frames. Brute force with a cascade: the
+/// first 16 bytes are compared first, and only pairs that are near in them are compared whole. A
+/// match is kept when the feature is clearly the landmark's best one and the landmark clearly the
+/// feature's best one.
 ///
 /// The library may change between steps: matches carry ids, and a landmark that came into a slot
-/// already passed is not seen until the next run.
+/// already compared is not seen until the next run.
 template <class Config, int MaxFeatures = 128>
 class LibraryMatcher {
  public:
@@ -71,7 +72,7 @@ class LibraryMatcher {
   }
 
   /// Compares further landmarks with every feature until `max_pairs` pairs are spent (at least one
-  /// landmark). True when the library has been gone through.
+  /// landmark). True when the whole library has been compared.
   /// Cost: about 80 instructions a pair and 200 more for the pairs that pass the cascade
   /// (Cortex-M7).
   template <int Views>
@@ -199,7 +200,7 @@ int to_observations(const MapLibrary<Config, Views>& library,
     const int slot = library.find(matches[i].id);
     if (slot < 0) continue;
     auto& o = observations[written++];
-    o.p_world = library[slot].p_world;
+    o.p_world = library[slot].p_map;
     o.covariance = library[slot].covariance;
     o.pixel = matcher.pixel(matches[i].feature);
     o.sigma_px = sigma_px;

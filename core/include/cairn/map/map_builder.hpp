@@ -6,8 +6,9 @@
 namespace cairn {
 
 /// Module "map building and updating" (paper A, section 3): keeps the library, the long memory
-/// beside the filter's active landmarks. It admits what the tracker hands over, replaces by worth
-/// (MapLibrary), keeps the score of what the tracker looked for, and publishes snapshots.
+/// beside the filter's active landmarks. It admits the landmarks that the tracker archives,
+/// replaces those with the lowest retention score (MapLibrary), counts how often the tracker found
+/// a landmark that it searched for, and publishes snapshots.
 ///
 /// Runs in slices: on one thread after each frame, or in a task of lower priority than the
 /// tracker's.
@@ -17,8 +18,8 @@ class MapBuilder {
   using Map = SharedMap<Config>;
   using Library = typename Map::Library;
 
-  /// Works off at most `max_messages` messages and publishes the library if it changed; returns how
-  /// many it took. 0 while the tracker still reads the copy that is needed next: call again later.
+  /// Handles at most `max_messages` messages and publishes the library if it changed; returns how
+  /// many. 0 while the tracker still reads the copy that is needed next: call again later.
   /// Cost: one copy of the library after each publication, three passes over it a message.
   int run(Map& map, int max_messages) {
     if (map.messages.front() == nullptr) return 0;

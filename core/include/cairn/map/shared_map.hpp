@@ -6,13 +6,13 @@
 
 namespace cairn {
 
-/// What the frame tracker tells the map builder.
+/// A message of the frame tracker to the map builder.
 template <class Landmark>
 struct MapMessage {
   enum class Kind : std::uint8_t {
-    kStore,     ///< `landmark` as the filter knows it now
-    kFound,     ///< a library landmark was looked for and found
-    kNotFound,  ///< and not found
+    kStore,     ///< add or renew `landmark`
+    kFound,     ///< a landmark of the library was searched and found
+    kNotFound,  ///< a landmark of the library was searched and not found
   };
   Kind kind = Kind::kStore;
   LandmarkId id = kNoLandmark;

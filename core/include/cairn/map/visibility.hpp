@@ -19,7 +19,7 @@ struct VisibleLandmark {
   int slot = -1;  ///< in the library that was searched
   LandmarkId id = kNoLandmark;
   int view = 0;  ///< the view nearest in direction
-  int worth = 0;
+  int retention_score = 0;
   ViewPrediction<T> prediction;
 };
 
@@ -29,17 +29,17 @@ struct LibrarySlice {
   int count = 0;
 };
 
-/// The landmarks of `library` that a camera at `T_world_camera` should see: inside the image, at a
+/// The landmarks of `library` that a camera at `T_map_camera` should see: inside the image, at a
 /// scale and a viewing angle at which their descriptor can be matched, and not in `exclude` (ids
-/// that are already tracked). Most worth first, ties by id; at most `capacity` of them are written
-/// to `visible`. Returns their number.
+/// that are already tracked). Highest retention score first, ties by id; at most `capacity` of them
+/// are written to `visible`. Returns their number.
 ///
 /// Cost: one pass over the slots of `slice`, about 150 operations a landmark and view; |exclude|
 /// comparisons and at most `capacity` moves for each one that is visible.
 template <class Config, int Views>
 int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
                  const PinholeCamera<typename Config::Scalar>& camera,
-                 const Rigid<typename Config::Scalar>& T_world_camera,
+                 const Rigid<typename Config::Scalar>& T_map_camera,
                  const VisibilityOptions<typename Config::Scalar>& options,
                  Span<LandmarkId> exclude, VisibleLandmark<typename Config::Scalar>* visible,
                  int capacity) {
@@ -53,14 +53,14 @@ int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
     VisibleLandmark<T> candidate;
     candidate.slot = slot;
     candidate.id = landmark.id;
-    candidate.worth = library.worth(slot);
-    if (count == capacity && candidate.worth < visible[count - 1].worth) continue;
+    candidate.retention_score = library.retention_score(slot);
+    if (count == capacity && candidate.retention_score < visible[count - 1].retention_score)
+      continue;
     T best_cosine = options.min_cosine;
     bool seen = false;
     for (int v = 0; v < landmark.view_count; ++v) {
       ViewPrediction<T> prediction;
-      if (!ok(predict_view(camera, T_world_camera, landmark.p_world, landmark.views[v],
-                           prediction))) {
+      if (!ok(predict_view(camera, T_map_camera, landmark.p_map, landmark.views[v], prediction))) {
         break;
       }
       if (!camera.contains(prediction.pixel, options.margin_px)) break;
@@ -76,8 +76,8 @@ int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
     for (int e = 0; seen && e < exclude.size; ++e) seen = exclude[e] != landmark.id;
     if (!seen) continue;
     int place = count < capacity ? count : capacity;
-    while (place > 0 && (visible[place - 1].worth < candidate.worth ||
-                         (visible[place - 1].worth == candidate.worth &&
+    while (place > 0 && (visible[place - 1].retention_score < candidate.retention_score ||
+                         (visible[place - 1].retention_score == candidate.retention_score &&
                           visible[place - 1].id > candidate.id))) {
       if (place < capacity) visible[place] = visible[place - 1];
       --place;
@@ -93,11 +93,11 @@ int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
 template <class Config, int Views>
 int find_visible(const MapLibrary<Config, Views>& library,
                  const PinholeCamera<typename Config::Scalar>& camera,
-                 const Rigid<typename Config::Scalar>& T_world_camera,
+                 const Rigid<typename Config::Scalar>& T_map_camera,
                  const VisibilityOptions<typename Config::Scalar>& options,
                  Span<LandmarkId> exclude, VisibleLandmark<typename Config::Scalar>* visible,
                  int capacity) {
-  return find_visible(library, LibrarySlice{0, library.size()}, camera, T_world_camera, options,
+  return find_visible(library, LibrarySlice{0, library.size()}, camera, T_map_camera, options,
                       exclude, visible, capacity);
 }
 

@@ -1,28 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <new>
 
-#include "cairn/ar/augmenter.hpp"
 #include "cairn/base/config.hpp"
 #include "cairn/base/hash.hpp"
-#include "cairn/base/health.hpp"
-#include "cairn/map/shared_map.hpp"
-#include "cairn/map/visibility.hpp"
-#include "cairn/numeric/random.hpp"
-#include "cairn/planar/types.hpp"
-#include "cairn/tracking/candidate_pool.hpp"
-#include "cairn/tracking/expected_search.hpp"
-#include "cairn/tracking/feature_supply.hpp"
-#include "cairn/tracking/frame_report.hpp"
-#include "cairn/tracking/frame_work.hpp"
-#include "cairn/tracking/landmark_search.hpp"
-#include "cairn/tracking/map_frame.hpp"
+#include "cairn/tracking/frame_input.hpp"
 #include "cairn/tracking/odometry_integrator.hpp"
-#include "cairn/tracking/place_look_up.hpp"
-#include "cairn/tracking/planar_pose_search.hpp"
-#include "cairn/tracking/reentry_rule.hpp"
-#include "cairn/tracking/tracking_evidence.hpp"
+#include "cairn/tracking/stage_timer.hpp"
+#include "cairn/tracking/vehicle_map_reuse.hpp"
 
 namespace cairn {
 
@@ -30,71 +15,63 @@ namespace cairn {
 /// camera landmarks (`Filter`: EkfSlam, LiftedIekfSlam or GroupIekfSlam with LandmarkDim 3) behind
 /// the vision front end. Vehicle frame: x forward, y left, z up, origin on the floor.
 ///
-/// This is the module "tracking and registration" of the paper. The active landmarks, whose error
-/// is tied to the pose's, live in its filter; the long memory is the map library, which it reads
-/// through a snapshot and which a MapBuilder keeps from the messages it sends (SharedMap).
-/// Landmarks of the library come back into the filter when they come into view again, and tell the
-/// place when tracking is lost.
+/// This is the module "tracking and registration" of the paper. Each frame: predict the pose by
+/// odometry, measure the landmarks that it expects in view, update the filter with the matches,
+/// judge whether the pose holds, keep the map, report. The active landmarks are in the filter,
+/// correlated with the pose; the long memory is the map library, which this module reads through a
+/// snapshot and which a MapBuilder keeps from the messages that it sends (SharedMap).
 ///
 /// All storage is inside; the caller decides where an instance lies. One frame costs at most
-/// `max_searches` landmark searches, one filter update of as many matches, one step of the
-/// candidate pool, `cells_per_frame` cells of corner detection and `library_slots_per_frame`
-/// projections; while lost, one step of the relocaliser and at most two passes over the library in
-/// place of the map's growth. All of it together ends within set_work_limit(): the pose comes
-/// first, then the map (frame_tracker_work_impl.hpp has the rules).
+/// `max_searches` landmark searches, one filter update of as many matches, one step of the seed
+/// pool, `cells_per_frame` cells of corner detection and `library_slots_per_frame` projections;
+/// while lost, one step of the relocaliser and at most two passes over the library in place of the
+/// map's growth.
+///
+/// All of it stays within set_work_limit(). What the limit does not pay for is left out in this
+/// order, the last first:
+///   1. prediction and the plan of the searches: always done;
+///   2. searches, the most informative landmarks first, as far as their update can be paid too;
+///   3. the update, without the least informative matches;
+///   4. relocalisation, or else seeds, new landmarks, new seeds and reactivation.
 template <class Config, class Filter>
 class FrameTracker {
  public:
   static constexpr int kMaxLandmarks = Config::kMaxLandmarks;
   static constexpr int kMaxKeyframes = Config::kMaxKeyframes;
-  using Supply = FeatureSupply<Config::kMaxImageWidth>;
-  using Pool = CandidatePool<Config::kMaxCandidates, Config::kMaxKeyframes>;
+  using Estimate = VehicleEstimate<Filter>;
+  using Measurement = LandmarkMeasurement<kMaxLandmarks>;
+  using LocalMap = VehicleLocalMap<Config, Filter>;
+  using MapReuse = VehicleMapReuse<Config, Filter>;
+  using Supply = typename LocalMap::Supply;
   using Map = SharedMap<Config>;
   using Library = typename Map::Library;
-  using Places = PlaceLookUp<Config>;
 
-  /// All landmarks share the error of the heading: one frame in a hundred without any of them would
-  /// be too many, so windows and gates are at 99.99 % (chi-square, 2 degrees of freedom).
+  /// The heading error is common to all landmarks, so a 99 % gate would reject all of them in one
+  /// frame of a hundred: windows and gates are at 99.99 % (chi-square, 2 degrees of freedom).
   static constexpr float kWideGate = 18.42F;
 
   struct Parameters {
-    /// The filter's own re-acquisition widens the pose at every prediction, which at frame rate
-    /// would outrun the search windows: off, the tracker's states take its place. Two supporters
-    /// are enough: a young map has no more, and odometry bounds what they can do.
+    /// The filter's re-acquisition is off: it widens the pose at every prediction, which at frame
+    /// rate would make the search windows grow too fast; the tracking states take its place. Two
+    /// inliers are enough for a young map, because odometry bounds what they can change.
     Parameters() {
       filter.reacquire_after = 0;
       filter.ransac.min_support = 2;
       filter.gate = kWideGate;
-      search.gate = kWideGate;
+      measurement.search.gate = kWideGate;
+      measurement.max_searches = 40;
     }
 
     PlanarParameters<float> filter;
     OdometryNoise odometry;
-    SearchParameters search;
-    typename Supply::Parameters supply;
-    typename Pool::Parameters pool;
     float sigma_px = 0.5F;
-    float tracked_yaw_rad = 3e-4F;     ///< error of the filter's turn in one frame, while tracking
-    int target_in_view = 32;           ///< landmarks and candidates wanted in view
-    int max_births_per_frame = 6;      ///< new candidates
-    int keyframe_interval = 8;         ///< frames between frames with new candidates
-    int max_promotions_per_frame = 4;  ///< candidates that become landmarks
-    float floor_sigma_m = 0.02F;       ///< how even the floor is; 0: heights tell nothing
-    float floor_told_m = 0.08F;        ///< a height known so well tells floor from other things
-    float floor_gate = 3.84F;          ///< 95 %
-    int max_searches = 40;
-    TrackingEvidence::Parameters evidence;
-    int min_sightings_to_store = 6;    ///< of a landmark that leaves the filter
-    int mature_sightings = 12;         ///< from then on a landmark is also in the library
-    int library_slots_per_frame = 48;  ///< looked through for landmarks that come into view
-    int max_reentries_per_frame = 3;
-    float library_inflation = 4.0F;    ///< of the variances of landmarks taken back
-    float map_height_sigma_m = 0.02F;  ///< of the library as a whole
-    MapDrift map_drift;                ///< of the library's frame
-    int expected_in_view = 4;          ///< library landmarks by odometry: it has the place
-    typename Places::Parameters look_up;
+    FloorParameters floor;
+    typename Measurement::Parameters measurement;
+    TrackingMonitor::Parameters monitor;
+    typename LocalMap::Parameters local_map;
+    typename MapReuse::Parameters map_reuse;
     int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart
-    int max_frames_without_mapping = 8;  ///< for want of work; then mapping gets half of a frame
+    int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
     std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
     std::uint64_t seed = 1;
   };
@@ -112,154 +89,262 @@ class FrameTracker {
 
   /// Integrates odometry up to the sample's time. kTimeBackwards, kNonFiniteInput: sample refused.
   /// kTimeGap: time moved on, motion over the gap not integrated.
-  Status add_odometry(const OdometrySample& sample);
+  Status add_odometry(const OdometrySample& sample) {
+    if (!input_.initialised()) return Status::kNotInitialised;
+    return odometry_.add(sample, estimate_.filter(), health_);
+  }
 
   /// Tracks one frame; odometry up to its time should have been added, the rest is extrapolated.
   /// kInvalidArgument (wrong size), kDuplicate, kTimeBackwards: frame refused.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks, Map& map,
                        FrameReport& report);
 
-  /// Units of work that each frame may take from now on (FrameCut tells what it gave up for it).
-  /// An input like any other: logs record it. kInvalidArgument for a negative one.
+  /// Units of work that each frame may take from now on (FrameCut says what it left out for it). An
+  /// input like any other: logs record it. kInvalidArgument for a negative one.
   Status set_work_limit(int units) { return work_.set_limit(units); }
 
   /// Ids below `next` are taken: after a library came from elsewhere.
   void reserve_ids(LandmarkId next) {
-    if (next <= next_id_) return;
-    next_id_ = next;
-    reentry_.take_for_old(next);
+    if (next <= estimate_.next_id()) return;
+    estimate_.next_id() = next;
+    map_reuse_.archive().policy().allow_below(next);
   }
-  LandmarkId next_id() const { return next_id_; }
+  LandmarkId next_id() const { return estimate_.next_id(); }
 
-  /// Draws the virtual objects of `augmenter` into `overlay` as this frame's pose sees them. Where
-  /// it wants an object, one is placed on the floor ahead of the vehicle first. Adds its ticks to
-  /// `report` as Stage::kRender.
-  void augment(Augmenter& augmenter, const MutableImageView& overlay, const TickSource& ticks,
-               FrameReport& report);
-
-  const Filter& filter() const { return filter_; }
-  const PinholeCamera<float>& camera() const { return camera_; }
-  const Rigid<float>& T_vehicle_camera() const { return T_vehicle_camera_; }
-  Rigid<float> T_world_camera() const { return on_floor(filter_.mean_pose()) * T_vehicle_camera_; }
-  const LandmarkTable<kMaxLandmarks>& landmarks() const { return table_; }
+  const Filter& filter() const { return estimate_.filter(); }
+  const PinholeCamera<float>& camera() const { return estimate_.camera(); }
+  const Rigid<float>& T_vehicle_camera() const { return estimate_.T_vehicle_camera(); }
+  /// In the filter's frame.
+  Rigid<float> T_world_camera() const { return estimate_.T_world_camera(); }
+  /// The map's frame in the filter's: identity until landmarks of the library were reactivated.
+  Rigid<float> T_world_map() const { return map_reuse_.archive().T_world_map(filter()); }
+  /// The vehicle on the floor of the map.
+  Rigid<float> T_map_vehicle() const {
+    return T_world_map().inverse() * estimate_.T_world_vehicle();
+  }
+  const TrackedLandmarks<kMaxLandmarks>& landmarks() const { return estimate_.landmarks(); }
   const Health& health() const { return health_; }
-  TrackingState state() const { return evidence_.state(); }
+  TrackingState state() const { return monitor_.state(); }
   void hash(Hash64& hash) const;
 
  private:
-  /// What search_landmarks asks of a filter.
-  struct View {
-    const FrameTracker& tracker;
-    int size() const { return tracker.filter_.landmark_count(); }
-    LandmarkId id(int slot) const { return tracker.filter_.landmark_id(slot); }
-    Status predict(int slot, PixelPrediction<float>& p) const {
-      return tracker.filter_.predict_pixel(slot, tracker.camera_, tracker.T_vehicle_camera_,
-                                           tracker.parameters_.sigma_px, p);
-    }
-    const PinholeCamera<float>& camera() const { return tracker.camera_; }
-    Rigid<float> T_world_camera() const { return tracker.T_world_camera(); }
-  };
+  using Frame = VehicleFrame<Config>;
 
-  static constexpr float kShortestPath_m = 1e-3F;
+  void begin(const ImageView& image);
+  Status predict(std::int64_t t_us);
+  void measure(Frame& frame);
+  Status update(Frame& frame, Status status);
+  Status keep_map(Frame& frame, Status status);
+  Status relocalise(Frame& frame, const Library& library, Status status);
+  void note_matches(Frame& frame, const typename Measurement::Matches& matches);
+  void note_inlier(Frame& frame, const PixelMatch<float>& match);
+  void report(Status status, FrameReport& report);
+  int planned_searches() const;
+  VehicleMotion motion() const;
 
-  Status check_input(const ImageView& image, std::int64_t t_us);
-  void keep_map(const ImageView& image, Map& map, FrameReport& report);
-  void update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
-  void note_matches(const ImageView& image, Map& map,
-                    const FixedVector<PixelMatch<float>, kMaxLandmarks>& matches,
-                    FrameReport& report);
-  void use_floor(TrackedLandmark& landmark);
-
-  // What a frame can afford: detail/frame_tracker_work_impl.hpp.
-  void begin_work();
-  int updating_work(int matches) const;
-  int searching_work() const;
-  int searches_planned() const;
-  void afford_update(FixedVector<PixelMatch<float>, kMaxLandmarks>& matches, FrameReport& report);
-
-  // The filter's landmarks: detail/frame_tracker_map_impl.hpp.
-  void remove_landmarks(Map& map, FrameReport& report);
-  void make_room(Map& map, int reserve, int limit, FrameReport& report);
-  void remove_landmark(int slot, FrameReport& report);
-  void build_map(const ImageView& image, bool growing, FrameReport& report);
-  void begin_candidates(const ImageView& image, FrameReport& report);
-  void promote_candidates(FrameReport& report);
-  bool add_promoted(const Promotion& promotion, FrameReport& report);
-  bool begin_keyframe();
-  void end_keyframes(bool make_room);
-  typename Pool::Parameters pool_parameters() const;
-
-  // The library: detail/frame_tracker_library_impl.hpp.
-  using LibraryLandmark = typename Library::Landmark;
-  static constexpr int kReentryCandidates = 24;
-  /// Whether this filter can hold landmarks of a library.
-  static constexpr bool kTakesLandmarksBack = Filter::kHasWorldLandmarks;
-  /// Memory of what takes landmarks back from the library.
-  struct ComingBack {
-    SearchScratch search;
-    VisibleLandmark<float> visible[kReentryCandidates];
-    FixedVector<PixelMatch<float>, kMaxLandmarks> matches;
-    FixedVector<LandmarkId, kReentryCandidates> entered;
-  };
-
-  void tell(Map& map, typename Map::Message::Kind kind, LandmarkId id);
-  void store(int slot, const TrackedLandmark& landmark, Map& map);
-  void reenter_landmarks(const Library& library, FrameReport& report);
-  bool reenter(const LibraryLandmark& archived, FrameReport& report);
-  Rigid<float> T_world_map() const;
-  PlanarPose<float> in_map(const PlanarPose<float>& pose) const;
-  void relocalise(const ImageView& image, const Library& library, Map& map, FrameReport& report);
-  bool looks_for_place() const {
-    return has_library_ && look_up_.wanted(parameters_.look_up, evidence_.weak_frames());
-  }
-  void refuse_place();
-  bool plausible(const Rigid<float>& T_map_camera) const;
-  bool in_known_place(const Library& library);
-  bool come_back(const ImageView& image, const Library& library, Map& map, FrameReport& report);
-
-  PinholeCamera<float> camera_;
-  Rigid<float> T_vehicle_camera_;
-  Parameters parameters_;
-  Filter filter_;
-  LandmarkTable<kMaxLandmarks> table_;
-  Pool pool_;
-  Supply supply_;
-  /// Nothing in it outlives a frame: copies copy nothing.
-  union Scratch {
-    Scratch() {}
-    Scratch(const Scratch&) {}
-    Scratch& operator=(const Scratch&) { return *this; }
-    ~Scratch() = default;
-    SearchScratch search;
-    typename Supply::Scratch supply;
-    typename Places::Scratch places;
-    ComingBack coming_back;
-  } scratch_;
-  FixedVector<PixelMatch<float>, kMaxLandmarks> matches_;  ///< of one frame: not on the stack
+  Estimate estimate_;
+  Measurement measurement_;
+  TrackingMonitor monitor_;
+  LocalMap local_map_;
+  MapReuse map_reuse_;
+  OdometryIntegrator odometry_;
+  FrameInput input_;
+  FrameWork work_;
   Random random_;
   Health health_;
-  FrameWork work_;
-  bool initialised_ = false;
-  bool has_frame_ = false;
-  std::int64_t last_frame_us_ = 0;
+  VehicleScratch<Config> scratch_;
   float frame_step_s_ = 0.0F;
-  OdometryIntegrator odometry_;
-  TrackingEvidence evidence_;
-  LandmarkId next_id_ = 1;
-  FixedVector<LandmarkId, kMaxKeyframes> keyframes_;  ///< past positions in the filter
-  int frames_since_keyframe_ = 0;
-
-  MapFrame<Filter> map_frame_;
-  Matrix3<float> tracked_covariance_ = Matrix3<float>::Zero();  ///< of the pose when last tracked
-  int next_library_slot_ = 0;
-  ReentryRule reentry_;
-  Places look_up_;
-  bool has_library_ = false;  ///< something to look a place up in
 };
 
-}  // namespace cairn
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& camera,
+                                                const Rigid<float>& T_vehicle_camera,
+                                                const Start& start, const Parameters& parameters) {
+  Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
+  if (!ok(status)) return status;
+  status = estimate_.initialise(camera, T_vehicle_camera, start.pose, start.covariance,
+                                parameters.filter, parameters.sigma_px, parameters.floor);
+  if (!ok(status)) return status;
+  measurement_.reset(parameters.measurement);
+  monitor_.reset(parameters.monitor);
+  local_map_.reset(parameters.local_map, parameters.measurement.search);
+  map_reuse_.reset(parameters.map_reuse, parameters.measurement.search, start.covariance);
+  odometry_.reset(parameters.odometry, parameters.max_step_us, start.t_us);
+  input_.reset();
+  work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
+  random_ = Random(parameters.seed);
+  health_ = Health{};
+  return Status::kOk;
+}
 
-#include "cairn/runtime/detail/frame_tracker_impl.hpp"
-#include "cairn/runtime/detail/frame_tracker_library_impl.hpp"
-#include "cairn/runtime/detail/frame_tracker_map_impl.hpp"
-#include "cairn/runtime/detail/frame_tracker_work_impl.hpp"
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::int64_t t_us,
+                                                   const TickSource& ticks, Map& map,
+                                                   FrameReport& report) {
+  const Status accepted = input_.check(image, camera(), t_us, health_);
+  if (!ok(accepted)) return accepted;
+  report = FrameReport{};
+  report.t_us = t_us;
+  Frame frame({image, camera(), work_, random_, report, health_}, map, scratch_);
+  StageTimer timer(ticks, report);
+  begin(image);
+  timer.end(Stage::kPreprocess);
+  Status status = predict(t_us);
+  timer.end(Stage::kPosePrediction);
+  measure(frame);
+  timer.end(Stage::kFeatures);
+  status = update(frame, status);
+  status = keep_map(frame, status);
+  status = monitor_.judge(measurement_.counts(), status, health_);
+  this->report(status, report);
+  timer.end(Stage::kPoseUpdate);
+  return status;
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::begin(const ImageView& image) {
+  local_map_.begin_frame(image);
+  measurement_.begin();
+  work_.begin(work::kFrame + work::kProjection * estimate_.size());
+  map_reuse_.begin_frame(monitor_.weak_frames());
+}
+
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::predict(std::int64_t t_us) {
+  const Status status = odometry_.integrate_to(t_us, estimate_.filter(), health_);
+  frame_step_s_ = static_cast<float>(input_.accept(t_us)) * 1e-6F;
+  return status;
+}
+
+/// Searches are paid for with what is left when the update and a step of the relocalisation are.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::measure(Frame& frame) {
+  const bool relocalises = map_reuse_.relocalises(monitor_.weak_frames());
+  const int planned = planned_searches();
+  const int landmarks = estimate_.size();
+  const int units =
+      work_.for_searches(relocalises ? map_reuse_.next_work() : 0,
+                         estimate_.update_work(planned < landmarks ? planned : landmarks));
+  measurement_.search(frame, estimate_, estimate_.landmarks(), SearchPass::kAll,
+                      SearchOrder::kMostUncertain, planned, units, scratch_.search);
+}
+
+/// While the place is recognised, that work takes the place of searches.
+template <class Config, class Filter>
+int FrameTracker<Config, Filter>::planned_searches() const {
+  if (map_reuse_.takes_image()) return 0;
+  const int most = measurement_.parameters().max_searches;
+  return map_reuse_.relocalises(monitor_.weak_frames()) ? most / 2 : most;
+}
+
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
+  typename Measurement::Matches& matches = measurement_.matches();
+  if (!matches.empty() && monitor_.worth_an_update(measurement_.counts())) {
+    const int support = monitor_.min_support(measurement_.counts(), estimate_.min_support());
+    const PixelUpdate update = estimate_.update(frame, matches, support);
+    measurement_.note_update(update);
+    frame.report.update = update.report;
+    if (ok(status)) status = update.status;
+  }
+  note_matches(frame, matches);
+  return status;
+}
+
+/// Grows the map while the pose holds, recognises the place while it does not. A place that the
+/// library does not have is mapped from odometry's pose.
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
+  const Library* library = frame.map.exchange.acquire();
+  const bool known =
+      monitor_.holds(measurement_.counts()) || state() == TrackingState::kInitialising;
+  const bool usable = map_reuse_.usable(library);
+  if (known) {
+    local_map_.remove_unreliable(frame, estimate_, map_reuse_.archive());
+    map_reuse_.end_relocalisation();
+  } else if (map_reuse_.relocalises(monitor_.weak_frames())) {
+    local_map_.drop_seeds();
+    status = relocalise(frame, *library, status);
+  }
+  const bool anew = !usable || map_reuse_.place_unknown();
+  if (anew && !known) monitor_.forget_mean();
+  const bool growing = known || monitor_.holds(measurement_.counts()) || anew;
+  local_map_.follow(frame, estimate_, motion(), growing);
+  odometry_.forget_yaw();
+  if (known && usable) map_reuse_.reactivate(frame, estimate_, *library);
+  if (library != nullptr) frame.map.exchange.release();
+  return status;
+}
+
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::relocalise(Frame& frame, const Library& library,
+                                                Status status) {
+  const PlaceVerification place =
+      map_reuse_.relocalise(frame, estimate_, local_map_, monitor_, library);
+  if (!place.updated) return status;
+  measurement_.replace(place.matches, place.update);
+  if (place.matches > 0) frame.report.update = place.update.report;
+  if (place.confirmed) {
+    note_matches(frame, scratch_.expected.matches);
+    monitor_.forget_mean();
+  }
+  return place.update.status;
+}
+
+template <class Config, class Filter>
+VehicleMotion FrameTracker<Config, Filter>::motion() const {
+  return {odometry_.speed_mps(), frame_step_s_, odometry_.yaw_variance(),
+          state() == TrackingState::kTracking};
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::note_matches(Frame& frame,
+                                                const typename Measurement::Matches& matches) {
+  if (!monitor_.holds(measurement_.counts()) && state() != TrackingState::kInitialising) {
+    Measurement::forget_searches(estimate_.landmarks());
+    return;
+  }
+  for (const PixelMatch<float>& match : matches) {
+    if (match.inlier) note_inlier(frame, match);
+  }
+}
+
+/// Records the match. A landmark of the library gets its patch, one on the floor its height, and
+/// one that has become mature its place in the library.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::note_inlier(Frame& frame, const PixelMatch<float>& match) {
+  TrackedLandmark* landmark = estimate_.landmarks().find(match.id);
+  if (landmark == nullptr) return;
+  Measurement::note_inlier(*landmark, frame.report);
+  if (estimate_.take_patch(frame, *landmark, match.pixel) && landmark->measured == 1) {
+    map_reuse_.archive().report_found(frame, match.id);
+  }
+  estimate_.constrain_to_floor(frame, *landmark);
+  map_reuse_.archive().archive_mature(frame, estimate_, *landmark);
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::report(Status status, FrameReport& report) {
+  if (monitor_.holds(measurement_.counts()))
+    map_reuse_.archive().note_tracked(filter().pose_covariance());
+  map_reuse_.archive().policy().travel(abs(odometry_.speed_mps()) * frame_step_s_, next_id());
+  report.status = status;
+  report.state = state();
+  report.T_world_camera = T_world_camera();
+  report.T_map_camera = map_reuse_.archive().T_map_camera(estimate_);
+  measurement_.report(report);
+  report.landmarks = estimate_.size();
+  work_.end(measurement_.deferred(), report, health_);
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::hash(Hash64& hash) const {
+  filter().hash(hash);
+  hash.add(static_cast<std::uint8_t>(state()));
+  hash.add(health_.landmarks_added);
+  hash.add(health_.landmarks_removed);
+  hash.add(static_cast<std::int32_t>(local_map_.seeds().size()));
+  estimate_.landmarks().hash(hash);
+}
+
+}  // namespace cairn

@@ -1,109 +1,64 @@
 #pragma once
 
 #include <cstdint>
-#include <new>
 
-#include "cairn/ar/augmenter.hpp"
-#include "cairn/ar/plane_fit.hpp"
 #include "cairn/base/config.hpp"
 #include "cairn/base/hash.hpp"
-#include "cairn/base/health.hpp"
-#include "cairn/map/map_file.hpp"
-#include "cairn/map/visibility.hpp"
-#include "cairn/mono/mono_ekf.hpp"
-#include "cairn/numeric/random.hpp"
-#include "cairn/tracking/expected_search.hpp"
-#include "cairn/tracking/feature_supply.hpp"
-#include "cairn/tracking/frame_report.hpp"
-#include "cairn/tracking/frame_work.hpp"
-#include "cairn/tracking/landmark_search.hpp"
-#include "cairn/tracking/relocaliser.hpp"
+#include "cairn/tracking/frame_input.hpp"
+#include "cairn/tracking/handheld_local_map.hpp"
+#include "cairn/tracking/handheld_map_reuse.hpp"
+#include "cairn/tracking/stage_timer.hpp"
+#include "cairn/tracking/start_trial.hpp"
 
 namespace cairn {
 
 /// Camera tracking from video alone (paper B): MonoEkf behind the vision front end. The world is
 /// the camera of the first frame; lengths are in the filter's own unit (its initial inverse depth
-/// is 1 / unit).
+/// is 1 / unit). Each frame: predict the pose, measure the features that it expects in view, update
+/// the filter with the matches, judge whether the pose holds, keep the map, report.
 ///
 /// Landmarks that are well known are archived in a library. Where nothing of the filter's map is
-/// seen for a while the tracker is lost: it holds its pose, draws nothing and looks the place up in
-/// the library, until a pose is recognised, confirmed in the frame after, and followed for some
-/// frames. It never goes on from a guess: with next to nothing in the library the map begins anew.
+/// seen for a while the tracker is lost: it keeps its last pose, draws nothing and relocalises in
+/// the library. It tracks again once a pose was recognised, confirmed in the frame after, and
+/// followed for some frames. It never goes on from a guess: with next to nothing in the library the
+/// map begins anew.
 ///
 /// All storage is inside; the caller decides where an instance lies. One frame costs at most
-/// `max_searches` landmark searches, one filter update of as many matches, and `cells_per_frame`
-/// cells of corner detection; while lost, steps of the relocaliser or 2 * kReturning searches. All
-/// of it together ends within set_work_limit(): the pose comes first, then the map.
+/// `max_searches` landmark searches, two filter updates of as many matches together, and
+/// `cells_per_frame` cells of corner detection; while lost, steps of the relocaliser or two
+/// searches of 24 library landmarks. All of it stays within set_work_limit(): the pose comes first,
+/// then the map.
 template <class Config>
 class HandheldTracker {
  public:
   static constexpr int kMaxFeatures = Config::kMaxFeatures;
-  using Filter = MonoEkf<float, kMaxFeatures>;
-  using Supply = FeatureSupply<Config::kMaxImageWidth>;
-  /// An image is compared with the whole library within a few frames, so that the hand has moved
-  /// little when the pose found is confirmed: the library is bounded for that. Without odometry a
-  /// place takes more features, and the pose is sought of the best matches alone.
-  struct LibraryConfig : Config {
-    static constexpr int kLibraryLandmarks =
-        Config::kLibraryLandmarks < 256 ? Config::kLibraryLandmarks : 256;
-    static constexpr int kPlaceFeatures = 144;
-    static constexpr int kPlaceMatches = 40;
-  };
-  using Library = MapLibrary<LibraryConfig>;
-  using Places = Relocaliser<LibraryConfig>;
+  using Estimate = HandheldEstimate<kMaxFeatures>;
+  using Filter = typename Estimate::Filter;
+  using Measurement = LandmarkMeasurement<kMaxFeatures>;
+  using LocalMap = HandheldLocalMap<Config>;
+  using MapReuse = HandheldMapReuse<Config>;
+  using Supply = typename LocalMap::Supply;
+  using Library = typename MapReuse::Library;
 
-  /// The defaults of the members but for these: landmarks are found by their patches, and a pixel's
-  /// standard deviation is 0.7 (docs/results/handheld.md has the comparison). A place is
-  /// looked up with weak corners and few matches: what is found is a proposal, to be confirmed.
+  /// Landmarks are found by their patches, and a pixel's standard deviation is 0.7
+  /// (docs/results/handheld.md has the comparison).
   struct Parameters {
     Parameters() {
-      search.method = SearchMethod::kPatch;
+      measurement.search.method = SearchMethod::kPatch;
       filter.sigma_px = 0.7F;
-      places.fast_threshold = 12;
-      places.min_score = 14;
-      places.max_capture_work = 11000;
-      places.max_pairs_per_step = 4096;
-      places.samples_per_step = 24;
-      places.ransac.min_inliers = 5;
-      places.ransac.inlier_px = 8.0F;
-      places.ransac.max_hypotheses = 300;
+      monitor.min_inliers = 6;
+      monitor.uncertain_frames_to_lost = 10;
+      monitor.min_match_ratio = 0.0F;
+      monitor.probation_frames = 10;
     }
     typename Filter::Parameters filter;
-    SearchParameters search;
-    typename Supply::Parameters supply;
-    int target_features = kMaxFeatures;  ///< kept measured per frame
-    int max_births_per_frame = 6;
-    int max_searches = kMaxFeatures;
-    int min_inliers = 6;  ///< fewer: uncertain
-    int uncertain_frames_to_lost = 10;
-    float min_return_share = 0.3F;  ///< of the landmarks looked for, after two weak frames
-    int weak_births = 3;            ///< weak frames in which landmarks still begin
-    /// A start is on trial for `start_blocks` blocks of frames. Where the innovations of one block
-    /// exceed `start_misfit` times their covariance, the filter has settled in the mirrored
-    /// solution (translation and relief reversed): the frame is lost and the map begins anew at its
-    /// pose, at most `max_restarts` times.
-    int start_blocks = 5;
-    int start_block_frames = 15;
-    float start_misfit = 1.3F;
-    int max_restarts = 5;
-    /// Motion noise over the first frames of the first start (at most those on trial): while
-    /// rotation and translation look alike, a filter that expects fast motion settles in a wrong
-    /// solution.
-    int calm_frames = 30;
-    float calm_velocity_noise = 0.14F;
-    float calm_rate_noise = 0.35F;
-    int mature_sightings = 12;       ///< from then on a landmark is also in the library, and
-                                     ///< renewed there as often as this number doubles
-    int min_sightings_to_store = 6;  ///< of a landmark that leaves the filter
-    float max_depth_sigma = 0.15F;   ///< of a stored landmark, as a share of its distance
-    int min_known = 16;  ///< library landmarks; with fewer a lost tracker begins its map anew
-    int min_found = 8;   ///< of them in the frame after the one that was recognised,
-    float min_found_share = 0.4F;    ///< and of those that should be seen
-    int max_confirm_distance = 120;  ///< of their descriptors, steered as the pose has it
-    int probation_frames = 10;       ///< tracked, until a place counts as found
-    typename Places::Parameters places;
+    typename Measurement::Parameters measurement;
+    TrackingMonitor::Parameters monitor;
+    typename LocalMap::Parameters local_map;
+    StartTrial::Parameters start;
+    typename MapReuse::Parameters map_reuse;
     int work_limit = 12000;              ///< units of WorkBudget a frame, drawing apart
-    int max_frames_without_mapping = 8;  ///< for want of work; then mapping gets half of a frame
+    int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
     std::int64_t max_step_us = 500000;   ///< a longer gap is not integrated
     std::uint64_t seed = 1;
   };
@@ -117,15 +72,9 @@ class HandheldTracker {
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report);
 
-  /// Units of work that each frame may take from now on (FrameCut tells what it gave up for it).
-  /// An input like any other: logs record it. kInvalidArgument for a negative one.
+  /// Units of work that each frame may take from now on (FrameCut says what it left out for it). An
+  /// input like any other: logs record it. kInvalidArgument for a negative one.
   Status set_work_limit(int units) { return work_.set_limit(units); }
-
-  /// Draws the virtual objects of `augmenter` into `overlay` as this frame's pose sees them. Where
-  /// it wants an object, one is placed first: on the plane of the landmarks where they have one,
-  /// else at their median depth. Adds its ticks to `report` as Stage::kRender.
-  void augment(Augmenter& augmenter, const MutableImageView& overlay, const TickSource& ticks,
-               FrameReport& report);
 
   /// Takes a saved library in place of the present one. The camera's place in it is not known: the
   /// tracker is lost until it recognises it. kNotInitialised; otherwise as cairn::load_map(), with
@@ -133,120 +82,266 @@ class HandheldTracker {
   /// empty.
   Status load_map(const ByteSource& source, MapFileInfo& info);
   /// Errors: as cairn::save_map().
-  Status save_map(const ByteSink& sink) const { return cairn::save_map(library_, next_id_, sink); }
+  Status save_map(const ByteSink& sink) const {
+    return cairn::save_map(library(), estimate_.next_id(), sink);
+  }
 
-  const Filter& filter() const { return filter_; }
+  const Filter& filter() const { return estimate_.filter(); }
   const PinholeCamera<float>& camera() const { return camera_; }
   const Health& health() const { return health_; }
   /// Admissions, replacements and refusals of the library.
-  const Health& library_health() const { return library_health_; }
-  const Library& library() const { return library_; }
-  TrackingState state() const { return state_; }
+  const Health& library_health() const { return map_reuse_.archive().health(); }
+  const Library& library() const { return map_reuse_.archive().library(); }
+  TrackingState state() const { return monitor_.state(); }
   void hash(Hash64& hash) const;
 
  private:
-  struct StartTrial {
-    int frames = 0;
-    int restarts = 0;
-    float misfit = 0.0F;  ///< of this block, by degree of freedom 1 on average
-    float dof = 0.0F;
-  };
-  /// What search_landmarks asks of a filter.
-  struct View {
-    const Filter& filter;
-    int size() const { return filter.feature_count(); }
-    LandmarkId id(int slot) const { return filter.feature_id(slot); }
-    Status predict(int slot, PixelPrediction<float>& p) const {
-      return filter.predict_feature(slot, p);
-    }
-    PinholeCamera<float> camera() const { return filter.camera(); }
-    Rigid<float> T_world_camera() const { return filter.T_world_camera(); }
-  };
+  using Frame = HandheldFrame<Config>;
 
-  using LibraryLandmark = typename Library::Landmark;
-  static constexpr int kReturning = 24;  ///< library landmarks looked for at a place found
-  /// Memory of what takes landmarks back from the library.
-  struct ComingBack {
-    SearchScratch search;
-    VisibleLandmark<float> visible[kReturning];
-    FixedVector<PixelMatch<float>, kReturning> matches;  ///< slots are the library's
-    PoseObservation<float> observations[kReturning];
-    std::uint8_t inlier[kReturning];
-  };
-
-  Status check_input(const ImageView& image, std::int64_t t_us);
-  Status predict(std::int64_t t_us);
-  void search(const ImageView& image, SearchPass pass,
-              FixedVector<PixelMatch<float>, kMaxFeatures>& matches, FrameReport& report);
-  int updating_work(int matches) const;
-  void afford_update(int first, FixedVector<PixelMatch<float>, kMaxFeatures>& matches,
-                     FrameReport& report);
-  void update(FixedVector<PixelMatch<float>, kMaxFeatures>& matches, int first,
-              FrameReport& report);
-  void note_inliers(const FixedVector<PixelMatch<float>, kMaxFeatures>& matches, int first,
-                    FrameReport& report);
-  void forget_searches();
-  void remove_features(FrameReport& report);
-  void add_features(const ImageView& image, FrameReport& report);
-  void watch_start(FrameReport& report);
-  void track(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
-             FrameReport& report);
-  bool plausible(const FrameReport& report) const;
-  void judge(FrameReport& report);
-  void lose(FrameReport& report);
-
-  // The library: detail/handheld_tracker_library_impl.hpp.
-  bool start_is_over() const {
-    return start_.frames >= parameters_.start_blocks * parameters_.start_block_frames;
-  }
-  void archive(const FixedVector<PixelMatch<float>, kMaxFeatures>& matches);
-  bool is_due(const TrackedLandmark& landmark) const;
-  float shared_depth_variance() const;
-  void store(int slot, TrackedLandmark& landmark, float shared_variance);
-  void look_up(const ImageView& image, FrameReport& report);
-  void begin_anew(const ImageView& image, FrameReport& report);
-  bool come_back(const ImageView& image, FrameReport& report);
-  bool confirm(const ImageView& image, float variance, Rigid<float>& T_world_camera,
-               ComingBack& work);
-  void take_back(const ImageView& image, const Rigid<float>& T_world_camera, const ComingBack& work,
-                 FrameReport& report);
-  bool object_place(Rigid<float>& T_world_object);
+  Status track(Frame& frame, std::int64_t step_us, StageTimer& timer);
+  Status predict(std::int64_t step_us);
+  void measure(Frame& frame, SearchPass pass);
+  Status update(Frame& frame, int first, Status status);
+  void measure_rest(Frame& frame);
+  void note_matches(Frame& frame, int first);
+  void keep_map(Frame& frame);
+  bool start_failed();
+  Status relocalise(Frame& frame);
+  void begin_anew(Frame& frame);
+  void report(Status status, FrameReport& report);
 
   PinholeCamera<float> camera_;
-  Parameters parameters_;
-  Filter filter_;
-  LandmarkTable<kMaxFeatures> table_;
-  Supply supply_;
-  /// Nothing in it outlives a frame: copies copy nothing.
-  union Scratch {
-    Scratch() {}
-    Scratch(const Scratch&) {}
-    Scratch& operator=(const Scratch&) { return *this; }
-    ~Scratch() = default;
-    SearchScratch search;
-    typename Supply::Scratch supply;
-    typename Places::Scratch places;
-    ComingBack coming_back;
-  } scratch_;
-  Library library_;
-  Health library_health_;
-  Places places_;
-  bool place_found_ = false;  ///< to be confirmed
+  Estimate estimate_;
+  Measurement measurement_;
+  TrackingMonitor monitor_;
+  LocalMap local_map_;
+  StartTrial start_;
+  MapReuse map_reuse_;
+  FrameInput input_;
   FrameWork work_;
   Random random_;
   Health health_;
-  TrackingState state_ = TrackingState::kInitialising;
-  bool initialised_ = false;
-  bool has_frame_ = false;
-  std::int64_t last_t_us_ = 0;
-  LandmarkId next_id_ = 1;
-  int weak_frames_ = 0;
-  int probation_ = 0;  ///< frames until a place found counts
-  StartTrial start_;
+  HandheldScratch<Config> scratch_;
+  std::int64_t max_step_us_ = 0;
 };
 
-}  // namespace cairn
+template <class Config>
+Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
+                                           const Parameters& parameters) {
+  Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
+  if (!ok(status)) return status;
+  status = estimate_.initialise(camera, parameters.filter);
+  if (!ok(status)) return status;
+  camera_ = camera;
+  measurement_.reset(parameters.measurement);
+  monitor_.reset(parameters.monitor);
+  local_map_.reset(parameters.local_map);
+  start_.reset(parameters.start, parameters.filter.velocity_noise, parameters.filter.rate_noise);
+  map_reuse_.reset(parameters.map_reuse, parameters.measurement.search);
+  input_.reset();
+  work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
+  random_ = Random(parameters.seed);
+  health_ = Health{};
+  max_step_us_ = parameters.max_step_us;
+  return Status::kOk;
+}
 
-#include "cairn/runtime/detail/handheld_tracker_impl.hpp"
-#include "cairn/runtime/detail/handheld_tracker_library_impl.hpp"
-#include "cairn/runtime/detail/handheld_tracker_work_impl.hpp"
+template <class Config>
+Status HandheldTracker<Config>::load_map(const ByteSource& source, MapFileInfo& info) {
+  if (!input_.initialised()) return Status::kNotInitialised;
+  const Status status = cairn::load_map(source, map_reuse_.archive().library(), info);
+  if (!ok(status)) return status;
+  if (info.next_id > estimate_.next_id()) estimate_.next_id() = info.next_id;
+  static_cast<void>(estimate_.restart(Rigid<float>()));
+  map_reuse_.begin();
+  start_.pass();
+  monitor_.lose();
+  return Status::kOk;
+}
+
+template <class Config>
+Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64_t t_us,
+                                              const TickSource& ticks, FrameReport& report) {
+  const Status accepted = input_.check(image, camera_, t_us, health_);
+  if (!ok(accepted)) return accepted;
+  report = FrameReport{};
+  report.t_us = t_us;
+  Frame frame({image, camera_, work_, random_, report, health_}, scratch_);
+  StageTimer timer(ticks, report);
+  local_map_.begin_frame(image);
+  measurement_.begin();
+  work_.begin(work::kMonoFrame + work::kProjection * estimate_.size());
+  const std::int64_t step_us = input_.accept(t_us);
+  timer.end(Stage::kPreprocess);
+  const bool lost = state() == TrackingState::kLost;
+  const Status status = lost ? relocalise(frame) : track(frame, step_us, timer);
+  if (lost) timer.end(Stage::kFeatures);
+  this->report(status, report);
+  return status;
+}
+
+template <class Config>
+Status HandheldTracker<Config>::track(Frame& frame, std::int64_t step_us, StageTimer& timer) {
+  Status status = predict(step_us);
+  timer.end(Stage::kPosePrediction);
+  measure(frame, SearchPass::kAll);
+  timer.end(Stage::kFeatures);
+  status = update(frame, 0, status);
+  measure_rest(frame);
+  status = monitor_.judge(measurement_.counts(), status, health_);
+  keep_map(frame);
+  frame.report.state = state();
+  if (start_failed()) {
+    frame.report.state = TrackingState::kLost;
+    status = Status::kLost;
+  }
+  timer.end(Stage::kPoseUpdate);
+  return status;
+}
+
+template <class Config>
+Status HandheldTracker<Config>::predict(std::int64_t step_us) {
+  if (step_us == 0) return Status::kOk;  // the first frame
+  Status status = Status::kOk;
+  if (step_us > max_step_us_) {
+    ++health_.time_errors;
+    step_us = max_step_us_;
+    status = Status::kTimeGap;
+  }
+  Filter& filter = estimate_.filter();
+  const Status set = filter.set_motion_noise(start_.velocity_noise(), start_.rate_noise());
+  if (!ok(set)) return set;
+  const Status predicted = filter.predict(static_cast<float>(step_us) * 1e-6F);
+  return ok(predicted) ? status : predicted;
+}
+
+/// Where the frame's work does not suffice for all windows (after a fast movement), the best known
+/// landmarks come first; the update with them makes the windows of the rest smaller.
+template <class Config>
+void HandheldTracker<Config>::measure(Frame& frame, SearchPass pass) {
+  const int left = estimate_.size() - measurement_.counts().searched;
+  const SearchOrder order =
+      pass == SearchPass::kAll ? SearchOrder::kBestKnown : SearchOrder::kMostUncertain;
+  measurement_.search(frame, estimate_, estimate_.landmarks(), pass, order,
+                      measurement_.parameters().max_searches,
+                      work_.for_searches(0, estimate_.update_work(left)), scratch_.search);
+}
+
+/// With the matches from `first` on.
+template <class Config>
+Status HandheldTracker<Config>::update(Frame& frame, int first, Status status) {
+  const bool usable = first > 0 || monitor_.worth_an_update(measurement_.counts());
+  const int matches = measurement_.matches().size() - first;
+  const PixelUpdate update = estimate_.update(frame, measurement_.matches(), first, usable);
+  measurement_.note_update(update);
+  add(update.report, frame.report.update);
+  note_matches(frame, first);
+  const bool used = usable && matches > update.left_out;
+  return used && first == 0 && ok(status) ? update.status : status;
+}
+
+/// Searches what the first pass could not pay for, once an update has made the windows smaller.
+template <class Config>
+void HandheldTracker<Config>::measure_rest(Frame& frame) {
+  if (measurement_.not_searched() == 0 || !monitor_.holds(measurement_.counts())) return;
+  const int first = measurement_.matches().size();
+  measure(frame, SearchPass::kRest);
+  static_cast<void>(update(frame, first, Status::kOk));
+}
+
+template <class Config>
+void HandheldTracker<Config>::note_matches(Frame& frame, int first) {
+  if (!monitor_.holds(measurement_.counts()) && state() != TrackingState::kInitialising) {
+    Measurement::forget_searches(estimate_.landmarks());
+    return;
+  }
+  const typename Measurement::Matches& matches = measurement_.matches();
+  for (int i = first; i < matches.size(); ++i) {
+    TrackedLandmark* landmark =
+        matches[i].inlier ? estimate_.landmarks().find(matches[i].id) : nullptr;
+    if (landmark != nullptr) Measurement::note_inlier(*landmark, frame.report);
+  }
+}
+
+/// Nothing is archived before the start is accepted, because the map may still begin anew.
+template <class Config>
+void HandheldTracker<Config>::keep_map(Frame& frame) {
+  if (state() == TrackingState::kLost) {
+    map_reuse_.begin();
+    return;
+  }
+  if (monitor_.weak_frames() == 0) {
+    if (start_.over() && state() == TrackingState::kTracking) {
+      map_reuse_.archive().archive_due(frame, estimate_, measurement_.matches());
+    }
+    local_map_.remove_unreliable(frame, estimate_, [&](int slot, TrackedLandmark& landmark) {
+      if (start_.over()) map_reuse_.archive().archive(frame, estimate_, slot, landmark);
+    });
+  }
+  if (monitor_.weak_frames() < local_map_.parameters().max_weak_frames) {
+    static_cast<void>(local_map_.add_features(frame, estimate_));
+  }
+}
+
+template <class Config>
+bool HandheldTracker<Config>::start_failed() {
+  if (!start_.fails(measurement_.counts(), filter().parameters().rescue_gate)) return false;
+  if (!ok(estimate_.restart(estimate_.T_world_camera()))) return false;
+  start_.note_restart();
+  monitor_.restart();
+  ++health_.losses;
+  return true;
+}
+
+template <class Config>
+Status HandheldTracker<Config>::relocalise(Frame& frame) {
+  frame.report.state = TrackingState::kLost;
+  if (map_reuse_.library_too_small()) {
+    begin_anew(frame);
+    return Status::kLost;
+  }
+  int matches = 0;
+  if (!map_reuse_.relocalise(frame, estimate_, matches)) return Status::kLost;
+  PixelUpdate restarted;
+  restarted.inliers = estimate_.size();
+  measurement_.replace(matches, restarted);
+  monitor_.begin_probation();
+  frame.report.state = state();
+  frame.report.relocalised = true;
+  ++health_.relocalisations;
+  return Status::kOk;
+}
+
+/// A map too small to be recognised is given up, once there is something to see.
+template <class Config>
+void HandheldTracker<Config>::begin_anew(Frame& frame) {
+  if (estimate_.size() > 0 && !ok(estimate_.restart(estimate_.T_world_camera()))) return;
+  estimate_.landmarks().clear();
+  map_reuse_.archive().library().clear();
+  if (local_map_.add_features(frame, estimate_) == 0) return;
+  monitor_.restart();
+  start_.begin();
+}
+
+template <class Config>
+void HandheldTracker<Config>::report(Status status, FrameReport& report) {
+  report.status = status;
+  report.T_world_camera = estimate_.T_world_camera();
+  report.T_map_camera = report.T_world_camera;
+  measurement_.report(report);
+  report.landmarks = estimate_.size();
+  work_.end(measurement_.deferred(), report, health_);
+}
+
+template <class Config>
+void HandheldTracker<Config>::hash(Hash64& hash) const {
+  filter().hash(hash);
+  hash.add(static_cast<std::uint8_t>(state()));
+  hash.add(health_.landmarks_added);
+  hash.add(health_.landmarks_removed);
+  hash.add(static_cast<std::int32_t>(library().size()));
+  hash.add(library().revision());
+  estimate_.landmarks().hash(hash);
+}
+
+}  // namespace cairn

@@ -15,13 +15,12 @@ class VehicleTracker {
   using Map = SharedMap<Config>;
   using Library = typename Map::Library;
   using Supply = typename Frames::Supply;
-  using Pool = typename Frames::Pool;
   using Start = typename Frames::Start;
   using Parameters = typename Frames::Parameters;
   static constexpr int kMaxLandmarks = Frames::kMaxLandmarks;
 
-  /// Map builder messages worked off after a frame. The ring holds twice as many; a frame that
-  /// takes a whole view back can send more, and what does not fit is counted as dropped.
+  /// Map builder messages handled after a frame. The ring holds twice as many; a frame that
+  /// archives or finds more landmarks than fit drops the rest, and counts them.
   static constexpr int kMessagesPerFrame = 8;
 
   /// Starts anew at a known pose, with the library as it is. Errors: as FrameTracker::initialise().
@@ -38,7 +37,7 @@ class VehicleTracker {
   /// As FrameTracker::set_work_limit().
   Status set_work_limit(int units) { return frames_.set_work_limit(units); }
 
-  /// As FrameTracker::process_frame(), and a slice of the map builder's work.
+  /// As FrameTracker::process_frame(), then a slice of the map builder's work.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report) {
     const Status status = frames_.process_frame(image, t_us, ticks, map_, report);
@@ -46,12 +45,6 @@ class VehicleTracker {
     builder_.run(map_, kMessagesPerFrame);
     report.stage_ticks[static_cast<int>(Stage::kPoseUpdate)] += ticks.now() - tracked;
     return status;
-  }
-
-  /// As FrameTracker::augment().
-  void augment(Augmenter& augmenter, const MutableImageView& overlay, const TickSource& ticks,
-               FrameReport& report) {
-    frames_.augment(augmenter, overlay, ticks, report);
   }
 
   /// Takes a saved library in place of the present one. Errors: as MapBuilder::load(), with nothing
@@ -70,7 +63,12 @@ class VehicleTracker {
   const Filter& filter() const { return frames_.filter(); }
   const PinholeCamera<float>& camera() const { return frames_.camera(); }
   const Rigid<float>& T_vehicle_camera() const { return frames_.T_vehicle_camera(); }
+  /// In the filter's frame.
   Rigid<float> T_world_camera() const { return frames_.T_world_camera(); }
+  /// The map's frame in the filter's, as FrameTracker::T_world_map().
+  Rigid<float> T_world_map() const { return frames_.T_world_map(); }
+  /// The vehicle on the floor of the map.
+  Rigid<float> T_map_vehicle() const { return frames_.T_map_vehicle(); }
   const Health& health() const { return frames_.health(); }
   /// Admissions, replacements and refusals of the library.
   const Health& library_health() const { return builder_.health(); }

@@ -17,7 +17,7 @@ struct Appearance {
   Rigid<float> T_world_reference;  ///< camera pose of the reference view
   std::uint8_t scale_index =
       0;                  ///< FREAK scale of the reference; its orientation bin is 0 (upright)
-  bool has_patch = true;  ///< false: known by descriptor alone, as a library landmark is
+  bool has_patch = true;  ///< false: only a descriptor, as of a library landmark
 };
 
 /// FREAK scale of reference views: room to shrink by 2^(4/16) before the finest pattern is reached.

@@ -5,45 +5,71 @@
 
 namespace cairn {
 
-/// Looks for library landmarks where a camera pose lets expect them: the first `count` of `visible`
-/// (find_visible()), each by its descriptor in a window of `variance` px^2, as far as `budget`
-/// goes. `matches` get the library's slots. Returns how many were looked for. Cost: `count` calls
-/// of search_landmark.
+/// Memory of a search for library landmarks that a pose predicts. `Capacity`: matches at most.
+template <int Capacity>
+struct ExpectedScratch {
+  static constexpr int kMaxVisible = 24;
+  SearchScratch search;
+  VisibleLandmark<float> visible[kMaxVisible];
+  FixedVector<PixelMatch<float>, Capacity> matches;  ///< slots are the library's
+};
+
+/// How landmarks of the library are searched from a camera pose in the map.
+struct ExpectedSearch {
+  VisibilityOptions<float> visibility;
+  SearchParameters search;
+  float variance_px2 = 0.0F;  ///< of the predicted pixels, for the pose's error
+};
+
+/// How many landmarks of the library a pose predicted, and how many of them were searched.
+struct ExpectedCounts {
+  int visible = 0;
+  int searched = 0;
+};
+
+/// Searches `image` for the landmarks of `library` that a camera at `T_map_camera` should see, the
+/// highest retention score first, each by its descriptor in a window of `variance_px2`, as far as
+/// `budget` goes. scratch.matches gets those found. Cost: find_visible() over the whole library,
+/// then kMaxVisible calls of search_landmark().
 template <class Library, int Capacity>
-int search_expected(const ImageView& image, const PinholeCamera<float>& camera,
-                    const Rigid<float>& T_map_camera, const Library& library,
-                    const VisibleLandmark<float>* visible, int count, float variance,
-                    const SearchParameters& parameters, SearchScratch& scratch,
-                    FixedVector<PixelMatch<float>, Capacity>& matches, WorkBudget& budget) {
-  for (int i = 0; i < count; ++i) {
-    if (!budget.affords(work::kLandmarkSearch)) return i;
-    const LandmarkView<float>& view = library[visible[i].slot].views[0];
+ExpectedCounts search_expected(const ImageView& image, const PinholeCamera<float>& camera,
+                               const Rigid<float>& T_map_camera, const Library& library,
+                               const ExpectedSearch& how, ExpectedScratch<Capacity>& scratch,
+                               WorkBudget& budget) {
+  ExpectedCounts counts;
+  counts.visible = find_visible(library, camera, T_map_camera, how.visibility, Span<LandmarkId>{},
+                                scratch.visible, ExpectedScratch<Capacity>::kMaxVisible);
+  scratch.matches.clear();
+  for (int i = 0; i < counts.visible; ++i) {
+    if (!budget.affords(work::kLandmarkSearch)) return counts;
+    ++counts.searched;
+    const VisibleLandmark<float>& expected = scratch.visible[i];
+    const LandmarkView<float>& view = library[expected.slot].views[0];
     PixelPrediction<float> prediction;
-    prediction.id = visible[i].id;
-    prediction.pixel = visible[i].prediction.pixel;
-    prediction.p_camera = visible[i].prediction.p_camera;
-    prediction.covariance = Matrix2<float>::Identity() * variance;
+    prediction.id = expected.id;
+    prediction.pixel = expected.prediction.pixel;
+    prediction.p_camera = expected.prediction.p_camera;
+    prediction.covariance = Matrix2<float>::Identity() * how.variance_px2;
     Appearance appearance;
     appearance.has_patch = false;
     appearance.descriptor = view.descriptor;
     appearance.scale_index = view.pose.scale_index;
     Matrix2<float> warp;
-    if (!ok(predict_warp(camera, view.T_world_reference, T_map_camera, prediction.p_camera,
-                         warp))) {
+    if (!ok(predict_warp(camera, view.T_map_reference, T_map_camera, prediction.p_camera, warp))) {
       continue;
     }
     PixelMatch<float> match;
     SearchReport search;
-    const Status status = search_landmark(image, prediction, appearance, warp, parameters, scratch,
-                                          match.pixel, search);
+    const Status status = search_landmark(image, prediction, appearance, warp, how.search,
+                                          scratch.search, match.pixel, search);
     budget.spend(search.work);
     if (!ok(status)) continue;
-    match.id = visible[i].id;
-    match.slot = visible[i].slot;
+    match.id = expected.id;
+    match.slot = expected.slot;
     match.descriptor_distance = search.distance;
-    matches.push_back(match);
+    scratch.matches.push_back(match);
   }
-  return count;
+  return counts;
 }
 
 }  // namespace cairn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/base/fixed_vector.hpp"
+#include "cairn/tracking/frame_context.hpp"
 #include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/fast.hpp"
 #include "cairn/vision/image.hpp"
@@ -8,8 +9,8 @@
 namespace cairn {
 
 /// Proposes corners for new landmarks, spread evenly over the image: a grid of cells, of which
-/// those without a landmark are searched in turn, a fixed number per frame, going on where the last
-/// frame stopped. `MaxImageWidth` bounds the width of a cell.
+/// those without a landmark are searched in turn, a fixed number per frame, continuing where the
+/// frame before stopped. `MaxImageWidth` bounds the width of a cell.
 template <int MaxImageWidth>
 class FeatureSupply {
  public:
@@ -34,7 +35,7 @@ class FeatureSupply {
     int corners_dropped = 0;
   };
 
-  /// Starts a frame: forgets which places are taken.
+  /// Starts a frame: no pixel is occupied.
   void begin(int width, int height) {
     cell_width_ = (width + kColumns - 1) / kColumns;
     cell_height_ = (height + kRows - 1) / kRows;
@@ -45,7 +46,7 @@ class FeatureSupply {
   /// The most units of work that one cell takes.
   int cell_work() const { return work::fast(cell_width_, cell_height_); }
 
-  /// A landmark or candidate stands at this pixel.
+  /// A landmark or seed is seen at this pixel.
   void occupy(float u, float v) {
     const Place place{static_cast<int>(u), static_cast<int>(v)};
     const int cell = cell_of(place.x, place.y);
@@ -133,5 +134,18 @@ class FeatureSupply {
   int cell_height_ = 1;
   int next_ = 0;
 };
+
+/// FeatureSupply::find() within a tracker's frame: its budget and its counters.
+template <int MaxImageWidth>
+int propose_corners(FrameContext& frame, FeatureSupply<MaxImageWidth>& supply,
+                    const typename FeatureSupply<MaxImageWidth>::Parameters& parameters, int wanted,
+                    typename FeatureSupply<MaxImageWidth>::Scratch& scratch, Corner* corners) {
+  typename FeatureSupply<MaxImageWidth>::Report report;
+  const int found =
+      supply.find(frame.image, parameters, wanted, scratch, corners, report, frame.work.budget());
+  frame.report.corners += report.corners;
+  frame.health.corners_dropped += static_cast<std::uint32_t>(report.corners_dropped);
+  return found;
+}
 
 }  // namespace cairn

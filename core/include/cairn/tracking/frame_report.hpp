@@ -20,33 +20,39 @@ struct OdometrySample {
 
 enum class TrackingState : std::uint8_t { kInitialising, kTracking, kUncertain, kLost };
 
-/// What a frame left out for want of work units, in the order in which it gives things up.
+/// What a frame left out because its work units did not suffice; a later one includes the earlier.
 enum class FrameCut : std::uint8_t {
   kNone,
   kFewerUpdates,    ///< landmarks in view were not searched, or matches not used
-  kNoMapping,       ///< candidates not followed, or none begun
-  kPredictionOnly,  ///< nothing was matched: the pose is odometry's
+  kNoMapping,       ///< seeds not followed, or none begun
+  kPredictionOnly,  ///< nothing was searched: the pose is predicted only
 };
 
-/// What one frame gave. The pose is the camera's in the world; in handheld mode the world is the
-/// first camera and its scale is the filter's own.
+/// What one frame gave: an output, written by the tracker and read by its caller.
+///
+/// Two frames of reference. The filter estimates in `world`, the map library keeps its landmarks in
+/// `map`. They are the same until a vehicle recognises landmarks of its library; from then on the
+/// filter estimates the transform between them (MapAlignment). What is drawn, compared with earlier
+/// runs or written down is in the map. In hand-held mode both are the camera of the first frame, in
+/// the filter's own unit of length.
 struct FrameReport {
   std::int64_t t_us = 0;
   Status status = Status::kNotInitialised;
   TrackingState state = TrackingState::kInitialising;
-  Rigid<float> T_world_camera;
+  Rigid<float> T_map_camera;    ///< the camera in the map's frame
+  Rigid<float> T_world_camera;  ///< the camera in the filter's frame
   std::uint32_t stage_ticks[kStageCount] = {};
   int corners = 0;     ///< FAST corners found in the search windows
   int candidates = 0;  ///< descriptors computed
   int matches = 0;     ///< landmarks matched
   int inliers = 0;     ///< matches used by the filter
   int landmarks = 0;   ///< active landmarks after the frame
-  int searched = 0;    ///< landmarks looked for
-  int deferred = 0;    ///< landmarks in view that were not looked for, or matches not used
+  int searched = 0;    ///< landmarks searched
+  int deferred = 0;    ///< landmarks in view that were not searched, or matches not used
   int added = 0;
   int removed = 0;
-  int reentered = 0;     ///< landmarks taken back from the map library
-  int from_library = 0;  ///< inliers that once came back from it
+  int reentered = 0;     ///< landmarks reactivated from the map library
+  int from_library = 0;  ///< inliers that were once reactivated
   bool relocalised = false;
   FrameCut cut = FrameCut::kNone;
   int work = 0;  ///< units spent, drawing apart (WorkBudget)

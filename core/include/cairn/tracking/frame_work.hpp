@@ -6,9 +6,9 @@
 
 namespace cairn {
 
-/// What a tracker's frames may take, and what they gave up for it. A map that is never served would
-/// leave the camera without landmarks: after `max_frames_without_mapping` such frames the searches
-/// get half of one frame's work.
+/// The work budget of a tracker's frames, and what they left out to stay within it. Without mapping
+/// a tracker would run out of landmarks: after `max_frames_without_mapping` frames that could not
+/// pay for it, the searches get only half of one frame's budget.
 class FrameWork {
  public:
   /// Starts anew. `limit`: units of WorkBudget a frame.
@@ -24,11 +24,12 @@ class FrameWork {
     return Status::kOk;
   }
 
-  /// Begins a frame, with the units of what is done in every case.
-  void begin(int always) {
+  /// Begins a frame and books `fixed` units for what every frame does.
+  void begin(int fixed) {
     budget_ = WorkBudget(limit_);
-    budget_.spend(always);
+    budget_.spend(fixed);
     mapping_cut_ = false;
+    cut_ = FrameCut::kNone;
   }
   WorkBudget& budget() { return budget_; }
   bool affords(int units) const { return budget_.affords(units); }
@@ -38,23 +39,35 @@ class FrameWork {
     return true;
   }
   void spend(int units) { budget_.spend(units); }
-  /// What searches may take. `later`: units kept for the look-up of a lost place; `update`: what
-  /// the use of all that they may find would take. A limit that does not pay all of it pays some
+  /// Units that searches may take. `later`: units kept for relocalisation; `update`: what the
+  /// update takes if every search succeeds. A limit that does not pay for all of it pays for some
   /// searches and some updates.
   int for_searches(int later, int update) const {
     const bool mapping_waits = frames_without_mapping_ >= max_frames_without_mapping_;
     const int left = (mapping_waits ? budget_.left() / 2 : budget_.left()) - later;
     return left - update > left / 2 ? left - update : left / 2;
   }
-  /// The map was not served in this frame, for want of work.
-  void cut_mapping() { mapping_cut_ = true; }
 
-  /// Ends the frame: completes `report` and `health`.
-  void end(FrameReport& report, Health& health) {
+  /// What the last search pass left out, in place of what an earlier one did.
+  void set_search_cut(FrameCut cut) { cut_ = cut; }
+  /// Further work was left out.
+  void raise_cut(FrameCut cut) {
+    if (cut_ < cut) cut_ = cut;
+  }
+  /// This frame could not pay for mapping.
+  void cut_mapping() { mapping_cut_ = true; }
+  /// False when the frame could not pay for a single search: it says nothing about the map.
+  bool could_search() const { return cut_ != FrameCut::kPredictionOnly; }
+
+  /// Ends a frame in which `deferred` searches or matches were left out: completes `report` and
+  /// `health`.
+  void end(int deferred, FrameReport& report, Health& health) {
     frames_without_mapping_ = mapping_cut_ ? frames_without_mapping_ + 1 : 0;
-    if (mapping_cut_ && report.cut < FrameCut::kNoMapping) report.cut = FrameCut::kNoMapping;
-    if (report.cut != FrameCut::kNone) ++health.budget_exceeded;
-    health.searches_deferred += static_cast<std::uint32_t>(report.deferred);
+    if (mapping_cut_) raise_cut(FrameCut::kNoMapping);
+    if (cut_ != FrameCut::kNone) ++health.budget_exceeded;
+    health.searches_deferred += static_cast<std::uint32_t>(deferred);
+    report.deferred = deferred;
+    report.cut = cut_;
     report.work = budget_.spent();
   }
 
@@ -64,6 +77,7 @@ class FrameWork {
   int max_frames_without_mapping_ = 0;
   int frames_without_mapping_ = 0;
   bool mapping_cut_ = false;  ///< in this frame
+  FrameCut cut_ = FrameCut::kNone;
 };
 
 }  // namespace cairn

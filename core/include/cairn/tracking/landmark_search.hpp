@@ -3,68 +3,24 @@
 #include "cairn/base/fixed_vector.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/tracking/active_search.hpp"
+#include "cairn/tracking/tracked_landmarks.hpp"
 
 namespace cairn {
-
-/// A landmark of the filter as the tracker knows it.
-struct TrackedLandmark {
-  LandmarkId id = kNoLandmark;
-  Appearance appearance;
-  int predicted = 0;  ///< frames in which it was searched
-  int measured = 0;   ///< of these, found and used by the filter
-  int misses = 0;     ///< searches without success since the last one
-  int frames_out_of_view = 0;
-  bool searched = false;      ///< in the last frame
-  bool from_library = false;  ///< came back from the map library
-  bool stored = false;        ///< the map builder was told about it
-  bool height_told = false;   ///< whether it lies on the floor
-};
-
-/// The tracker's side of the filter's landmarks, found by id. Cost of a look-up: Capacity
-/// comparisons.
-template <int Capacity>
-class LandmarkTable {
- public:
-  TrackedLandmark* find(LandmarkId id) {
-    for (TrackedLandmark& entry : entries_) {
-      if (entry.id == id) return &entry;
-    }
-    return nullptr;
-  }
-  bool add(const TrackedLandmark& landmark) { return entries_.push_back(landmark); }
-  void remove(LandmarkId id) {
-    for (int i = 0; i < entries_.size(); ++i) {
-      if (entries_[i].id == id) {
-        entries_.remove_unordered(i);
-        return;
-      }
-    }
-  }
-  void clear() { entries_.clear(); }
-  int size() const { return entries_.size(); }
-  TrackedLandmark* begin() { return entries_.begin(); }
-  TrackedLandmark* end() { return entries_.end(); }
-  const TrackedLandmark* begin() const { return entries_.begin(); }
-  const TrackedLandmark* end() const { return entries_.end(); }
-
- private:
-  FixedVector<TrackedLandmark, Capacity> entries_;
-};
 
 struct SearchTotals {
   int corners = 0;
   int corners_dropped = 0;
   int descriptors = 0;
   int searched = 0;
-  int deferred = 0;  ///< in view, not searched: the frame's count or work was spent
+  int deferred = 0;  ///< in view, not searched: beyond `max_searches` or the budget
 };
 
-/// Which landmarks of a frame are searched: all, or after an update with what was found those that
-/// were left.
+/// Which landmarks are searched: all, or those that the frame has not searched yet.
 enum class SearchPass : std::uint8_t { kAll, kRest };
 
-/// What is searched first where not all can be. The most uncertain (largest det S) is the most
-/// informative measurement; the best known has the smallest window, and tells the others' windows.
+/// What is searched first where the budget does not suffice for all. The most uncertain (largest
+/// det S) is the most informative measurement; the best known has the smallest window, and an
+/// update with it makes the other windows smaller.
 enum class SearchOrder : std::uint8_t { kMostUncertain, kBestKnown };
 
 struct PlannedSearch {
@@ -76,11 +32,11 @@ struct PlannedSearch {
 /// The landmarks in view, the most uncertain first. Cost: one projection per landmark, an insertion
 /// sort of Capacity.
 template <class Filter, int Capacity>
-void plan_searches(const Filter& filter, SearchPass pass, LandmarkTable<Capacity>& table,
+void plan_searches(const Filter& filter, SearchPass pass, TrackedLandmarks<Capacity>& landmarks,
                    FixedVector<PlannedSearch, Capacity>& plan) {
   const PinholeCamera<float> camera = filter.camera();
   for (int slot = 0; slot < filter.size(); ++slot) {
-    TrackedLandmark* landmark = table.find(filter.id(slot));
+    TrackedLandmark* landmark = landmarks.find(filter.id(slot));
     if (landmark == nullptr || (pass == SearchPass::kRest && landmark->searched)) continue;
     landmark->searched = false;
     PlannedSearch entry;
@@ -103,26 +59,26 @@ void plan_searches(const Filter& filter, SearchPass pass, LandmarkTable<Capacity
 
 /// Searches the filter's landmarks that are in view, the most uncertain first, at most
 /// `max_searches` of them and no more than `budget` affords; where it does not suffice for all, in
-/// the order `when_cut`. The rest is deferred and counted: it waits for its turn while its S grows.
+/// the order `when_cut`. The rest is counted as deferred; its S grows until it comes first.
 /// The filter must offer size(), id(slot), predict(slot, prediction), camera() and
 /// T_world_camera().
 ///
 /// Cost: plan_searches(), `max_searches` calls of search_landmark.
 template <class Filter, int Capacity>
 void search_landmarks(const ImageView& image, const Filter& filter, SearchPass pass,
-                      SearchOrder when_cut, LandmarkTable<Capacity>& table,
+                      SearchOrder when_cut, TrackedLandmarks<Capacity>& landmarks,
                       const SearchParameters& parameters, int max_searches, SearchScratch& scratch,
                       FixedVector<PixelMatch<float>, Capacity>& matches, SearchTotals& totals,
                       WorkBudget& budget) {
   const PinholeCamera<float> camera = filter.camera();
   FixedVector<PlannedSearch, Capacity> plan;
-  plan_searches(filter, pass, table, plan);
-  int whole = 0;
+  plan_searches(filter, pass, landmarks, plan);
+  int work_of_all = 0;
   for (PlannedSearch& entry : plan) {
     entry.most_work = most_search_work(entry.prediction, parameters);
-    whole += entry.most_work;
+    work_of_all += entry.most_work;
   }
-  const bool backwards = when_cut == SearchOrder::kBestKnown && !budget.affords(whole);
+  const bool backwards = when_cut == SearchOrder::kBestKnown && !budget.affords(work_of_all);
 
   const Rigid<float> T_world_camera = filter.T_world_camera();
   for (int i = 0; i < plan.size(); ++i) {
@@ -131,7 +87,7 @@ void search_landmarks(const ImageView& image, const Filter& filter, SearchPass p
       ++totals.deferred;
       continue;
     }
-    TrackedLandmark* landmark = table.find(entry.prediction.id);
+    TrackedLandmark* landmark = landmarks.find(entry.prediction.id);
     Matrix2<float> warp;
     if (!ok(predict_warp(camera, landmark->appearance.T_world_reference, T_world_camera,
                          entry.prediction.p_camera, warp))) {

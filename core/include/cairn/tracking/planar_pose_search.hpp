@@ -8,8 +8,8 @@
 
 namespace cairn {
 
-/// Where a vehicle believes to be in the map, with the covariance of (x, y, heading): m^2, m rad,
-/// rad^2, additive.
+/// Pose of a vehicle in the map before a measurement, with the covariance of (x, y, heading): m^2,
+/// m rad, rad^2, additive.
 struct PlanarPrior {
   PlanarPose<float> pose;
   Matrix3<float> covariance = Matrix3<float>::Zero();
@@ -18,11 +18,11 @@ struct PlanarPrior {
 /// A vehicle on the floor, as a pose in space.
 Rigid<float> on_floor(const PlanarPose<float>& pose);
 
-/// A point of the map and a pixel that may be its own.
+/// A point of the map and a pixel that may show it.
 struct PlanarSighting {
   Vector3<float> p_map = Vector3<float>::Zero();  ///< m
   Vector2<float> pixel = Vector2<float>::Zero();
-  float sigma_px = 1.5F;  ///< of the pixel, the point's own error included
+  float sigma_px = 1.5F;  ///< of the pixel, with the point's own error
 };
 
 /// A vehicle's camera on the floor of the map.
@@ -37,15 +37,15 @@ struct PlanarView {
 
 struct PlanarPoseOptions {
   static constexpr int kMaxSightings = 48;
-  float gate = 9.21F;      ///< of a sighting, by what a hypothesis leaves unknown (99 %)
+  float gate = 9.21F;      ///< of a sighting, under a hypothesis' covariance (99 %)
   float inlier_px = 4.0F;  ///< largest reprojection error at the end
   int min_support = 4;
 };
 
 /// Pose of a vehicle from sightings of which many may be wrong, near a prior: 1-point RANSAC over
-/// all of them (Civera et al. 2010) with the three states of a vehicle on a floor, so that four
-/// sightings tell what a free camera needs more for. Each sighting in turn corrects the prior,
-/// those that agree within what is then left unknown support it, and the best supported pose is
+/// all of them (Civera et al. 2010) with the three states of a vehicle on a floor, so that fewer
+/// sightings suffice than for a free camera. Each sighting in turn corrects the prior; those that
+/// agree within the covariance that it then has are its inliers; the pose with most inliers is
 /// refined by Gauss-Newton with the prior.
 ///
 /// kInvalidArgument: count outside [0, kMaxSightings]; kSingular: covariance not positive definite;

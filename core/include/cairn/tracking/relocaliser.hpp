@@ -13,13 +13,14 @@
 
 namespace cairn {
 
-/// Finds the camera's place in a map library from one image, without any idea of it: corners spread
-/// over the whole image, upright descriptors, every library landmark compared with every one of
-/// them, P3P with RANSAC. The work is cut into steps of at most `max_pairs_per_step` comparisons or
+/// Finds the camera's pose in a map library from one image, without a prior: corners spread over
+/// the whole image, upright descriptors, every library landmark compared with every one of them,
+/// P3P with RANSAC. The work is cut into steps of at most `max_pairs_per_step` comparisons or
 /// `samples_per_step` samples, of which a frame takes as many as its caller's budget affords.
 ///
 /// Descriptors are those of make_appearance(): upright, one scale. A vehicle's camera does not
-/// roll; a camera in the hand must be held within about 15 degrees of how the map was seen.
+/// roll; a hand-held camera must be held within about 15 degrees of the roll at which the map was
+/// seen.
 template <class Config>
 class Relocaliser {
  public:
@@ -44,12 +45,11 @@ class Relocaliser {
     int fast_threshold = 20;
     int min_score = 25;
     int margin_px = 34;
-    int min_features = 12;  ///< fewer in an image: nothing to be recognised
-    /// Of the pixels; where more of them are corners, before non-maximum suppression, the image is
-    /// noise: nothing to be recognised.
+    int min_features = 12;  ///< fewer in an image: it is not compared
+    /// Of the pixels. Where more of them are corners, before non-maximum suppression, the image is
+    /// noise: it is not compared.
     int max_corner_percent = 15;
-    /// Units of work; an image that has more in it is not gone through.
-    int max_capture_work = 8000;
+    int max_capture_work = 8000;  ///< units; the rest of an image is left out
     int max_pairs_per_step = 12288;
     int samples_per_step = 24;
     Scalar sigma_px = Scalar(1.5);
@@ -61,7 +61,7 @@ class Relocaliser {
   enum class Outcome : std::uint8_t {
     kNothingToSee,  ///< the image has too few corners, or far too many
     kWorking,       ///< call step() with the next frame
-    kFailed,        ///< the library was gone through, and no pose found
+    kFailed,        ///< the whole library was compared, and no pose found
     kFound,         ///< T_map_camera() is the pose of the image that capture() had
   };
 
@@ -89,7 +89,7 @@ class Relocaliser {
   bool working() const { return working_; }
   void reset() { working_ = false; }
 
-  /// Units of work below which capture() is not worth a call: what a quarter of the image takes.
+  /// Least units of work with which to call capture(): those of a quarter of the image.
   static int least_capture_work(const ImageView& image) {
     return kMaxFeatures * work::kDescriptor + work::fast(image.width, image.height, 0) / 4;
   }
@@ -102,7 +102,7 @@ class Relocaliser {
     return match > pose ? match : pose;
   }
 
-  /// The most units of work that look_near() takes.
+  /// The most units of work that find_near() takes.
   static constexpr int near_work() {
     constexpr int kPairsPerUnit = 4;
     constexpr int kHypothesesPerUnit = 1;
@@ -111,14 +111,14 @@ class Relocaliser {
   }
 
   /// Looks for the pose of the image near a prior: each landmark that should be in view is compared
-  /// with the features inside its ellipse alone. True where T_map_camera() is the pose; false where
-  /// it was not found, and step() goes on. Cost: near_work().
+  /// only with the features inside its ellipse. True where T_map_camera() is the pose; false where
+  /// none was found, and step() continues. Cost: near_work().
   template <class Library>
-  bool look_near(const PlanarView& view, const PlanarPrior& prior, const Library& library,
+  bool find_near(const PlanarView& view, const PlanarPrior& prior, const Library& library,
                  const Parameters& parameters, Scratch& scratch);
 
-  /// Begins with an image. Cost: at most `max_capture_work` units, and no more than `budget` has,
-  /// for kMaxFeatures descriptors and for FAST cell by cell as far as they go.
+  /// Begins with an image: FAST cell by cell, then at most kMaxFeatures descriptors. Cost: at most
+  /// `max_capture_work` units, and no more than `budget` has.
   Outcome capture(const ImageView& image, const Parameters& parameters, Scratch& scratch,
                   WorkBudget& budget) {
     matcher_.clear();
@@ -145,8 +145,8 @@ class Relocaliser {
     return working_ ? Outcome::kWorking : Outcome::kNothingToSee;
   }
 
-  /// Goes on, with the comparisons first, then with the samples. Cost: step_work() at most, what it
-  /// was from `budget`.
+  /// Continues: comparisons first, then RANSAC samples. Cost: at most step_work(), booked in
+  /// `budget`.
   template <class Library>
   Outcome step(const PinholeCamera<Scalar>& camera, const Library& library,
                const Parameters& parameters, Random& random, Scratch& scratch, WorkBudget& budget) {
@@ -200,7 +200,7 @@ class Relocaliser {
     PoseRansacReport<Scalar> report;
     const Status concluded = conclude_pose(camera, observations, usable, parameters.ransac, search_,
                                            T_map_camera_, estimate, report);
-    // Of two places that look alike, the caller's own idea of where it is decides.
+    // Two places may look alike: the caller verifies the pose.
     return ok(concluded) ? Outcome::kFound : Outcome::kFailed;
   }
 
@@ -211,8 +211,8 @@ class Relocaliser {
     int corners = 0;  // before non-maximum suppression
   };
   static bool is_noise(const Seen& seen, const Parameters& parameters) {
-    constexpr int kTelling = 8;  // cells
-    return seen.cells >= kTelling &&
+    constexpr int kMinCells = 8;
+    return seen.cells >= kMinCells &&
            seen.corners > seen.pixels / 100 * parameters.max_corner_percent;
   }
 
@@ -257,7 +257,7 @@ class Relocaliser {
     Descriptor descriptor;
     if (!ok(describe_freak(image, corner.x, corner.y, pose, descriptor))) return;
     const Vector2<Scalar> pixel(static_cast<Scalar>(corner.x), static_cast<Scalar>(corner.y));
-    // A full matcher has features enough.
+    // Refused when the matcher is full, which is enough.
     static_cast<void>(matcher_.add_feature(pixel, descriptor));
   }
 
@@ -265,12 +265,12 @@ class Relocaliser {
   PoseSearch<Scalar> search_;
   Rigid<Scalar> T_map_camera_;
   bool working_ = false;
-  bool matched_ = false;  ///< with the whole library
+  bool matched_ = false;  ///< the whole library was compared
 };
 
 template <class Config>
 template <class Library>
-bool Relocaliser<Config>::look_near(const PlanarView& view, const PlanarPrior& prior,
+bool Relocaliser<Config>::find_near(const PlanarView& view, const PlanarPrior& prior,
                                     const Library& library, const Parameters& parameters,
                                     Scratch& scratch) {
   constexpr float kWideGate = 13.82F;  // 99.9 %
@@ -289,10 +289,10 @@ bool Relocaliser<Config>::look_near(const PlanarView& view, const PlanarPrior& p
     const auto& landmark = library[near.visible[i].slot];
     Vector2<float> pixel;
     Matrix<float, 2, 3> jacobian;
-    if (!ok(view.predict(prior.pose, landmark.p_world, pixel, jacobian))) continue;
+    if (!ok(view.predict(prior.pose, landmark.p_map, pixel, jacobian))) continue;
     const float distance = near.visible[i].prediction.p_camera.z();
     PlanarSighting& sighting = near.sightings[sightings];
-    sighting.p_map = landmark.p_world;
+    sighting.p_map = landmark.p_map;
     sighting.sigma_px = sqrt(square(parameters.sigma_px) + landmark.covariance.trace() / 3.0F *
                                                                square(view.camera.fx / distance));
     const Matrix2<float> S = jacobian * prior.covariance * jacobian.transpose() +

@@ -4,9 +4,9 @@
 
 namespace cairn {
 
-/// Work of one frame, counted and never timed: a unit is 1000 instructions of a Cortex-M7. Each
-/// stage asks whether the most that its next piece of work can take is still there, and books what
-/// the piece did take, told from its counts. So a frame ends within its budget whatever the image
+/// Work of one frame, counted and never timed: a unit is 1000 instructions of a Cortex-M7. Before a
+/// piece of work a stage checks that the budget covers its worst case; after it, it books what the
+/// work took, computed from its counts. So a frame stays within its budget whatever the image
 /// shows, and the same input does the same work on every machine.
 class WorkBudget {
  public:
@@ -28,8 +28,8 @@ class WorkBudget {
   int spent_ = 0;
 };
 
-/// What pieces of work take, in units: upper bounds on the Cortex-M7 (docs/reference/timing.md),
-/// held by the work column of scripts/firmware.sh --timing.
+/// Costs of pieces of work, in units: upper bounds on the Cortex-M7 (docs/reference/timing.md),
+/// checked by the work column of scripts/firmware.sh --timing.
 namespace work {
 
 inline constexpr int kDescriptor = 17;  ///< describe_freak() and a comparison
@@ -37,8 +37,8 @@ inline constexpr int kAlignment = 46;   ///< align_patch(), template included
 inline constexpr int kProjection = 4;   ///< of a landmark, with its innovation covariance
 inline constexpr int kAppearance = 24;  ///< make_appearance()
 
-/// detect_fast() over a window: the most it takes, where every pixel may be a corner, and what it
-/// took with as many of them before non-maximum suppression (FastReport::candidates).
+/// detect_fast() over a window: in the worst case, where every pixel is a corner, and with a given
+/// number of corners before non-maximum suppression (FastReport::candidates).
 inline constexpr int fast(int width, int height) {
   return 1 + width * height / 8;
 }
@@ -48,8 +48,8 @@ inline constexpr int fast(int width, int height, int candidates) {
 }
 
 inline constexpr int kFrame = 150;     ///< prediction, lists, reports
-inline constexpr int kRemoval = 60;    ///< of a landmark, with its hand-over to the library
-inline constexpr int kPromotion = 90;  ///< of a candidate, or of a library landmark, to the filter
+inline constexpr int kRemoval = 60;    ///< of a landmark, with its archiving
+inline constexpr int kPromotion = 90;  ///< a seed or a library landmark becomes a landmark
 inline constexpr int kKeyframe = 60;
 inline constexpr int kLibrarySlot = 3;  ///< projection of a library landmark
 

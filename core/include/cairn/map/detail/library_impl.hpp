@@ -6,14 +6,14 @@ namespace cairn {
 namespace detail {
 
 template <class T>
-Status validate_view(const LandmarkView<T>& view, const Vector3<T>& p_world) {
-  const Rigid<T>& pose = view.T_world_reference;
+Status validate_view(const LandmarkView<T>& view, const Vector3<T>& p_map) {
+  const Rigid<T>& pose = view.T_map_reference;
   if (!is_finite(view.focal_px + pose.translation.sum() + pose.rotation.coeffs().sum())) {
     return Status::kNonFiniteInput;
   }
   const T excess = pose.rotation.squaredNorm() - T(1);
   const bool is_rotation = excess > T(-1e-2) && excess < T(1e-2);
-  const T distance_squared = (pose.translation - p_world).squaredNorm();
+  const T distance_squared = (pose.translation - p_map).squaredNorm();
   if (!is_rotation || !(view.focal_px > T(0)) ||
       !(distance_squared >= square(PinholeCamera<T>::kMinDepth)) ||
       view.pose.scale_index > kMaxFreakScaleIndex) {
@@ -24,15 +24,15 @@ Status validate_view(const LandmarkView<T>& view, const Vector3<T>& p_world) {
 
 /// Distance at which a landmark was described.
 template <class T, int Views>
-T described_from(const MapLandmark<T, Views>& landmark) {
-  return sqrt((landmark.views[0].T_world_reference.translation - landmark.p_world).squaredNorm());
+T described_from(const LibraryLandmark<T, Views>& landmark) {
+  return sqrt((landmark.views[0].T_map_reference.translation - landmark.p_map).squaredNorm());
 }
 
 }  // namespace detail
 
 template <class Config, int Views>
 Status MapLibrary<Config, Views>::validate(const Landmark& landmark) {
-  if (!is_finite(landmark.p_world.sum() + landmark.covariance.sum())) {
+  if (!is_finite(landmark.p_map.sum() + landmark.covariance.sum())) {
     return Status::kNonFiniteInput;
   }
   if (landmark.id == kNoLandmark || landmark.view_count < 1 || landmark.view_count > Views ||
@@ -43,7 +43,7 @@ Status MapLibrary<Config, Views>::validate(const Landmark& landmark) {
     if (!(landmark.covariance(k, k) >= Scalar(0))) return Status::kInvalidArgument;
   }
   for (int v = 0; v < landmark.view_count; ++v) {
-    const Status status = detail::validate_view(landmark.views[v], landmark.p_world);
+    const Status status = detail::validate_view(landmark.views[v], landmark.p_map);
     if (!ok(status)) return status;
   }
   return Status::kOk;
@@ -52,7 +52,7 @@ Status MapLibrary<Config, Views>::validate(const Landmark& landmark) {
 template <class Config, int Views>
 bool MapLibrary<Config, Views>::are_neighbours(const Landmark& a, const Landmark& b) {
   const Scalar reach = Scalar(0.025) * (detail::described_from(a) + detail::described_from(b));
-  return (a.p_world - b.p_world).squaredNorm() < reach * reach;
+  return (a.p_map - b.p_map).squaredNorm() < reach * reach;
 }
 
 template <class Config, int Views>
@@ -83,21 +83,21 @@ void MapLibrary<Config, Views>::place(int slot, const Landmark& landmark) {
   ++revision_;
 }
 
-/// Whether the landmark in `slot` gives way to one of the given worth.
+/// Whether the landmark in `slot` is replaced before another with the given retention score.
 template <class Config, int Views>
-bool MapLibrary<Config, Views>::worth_less(int slot, int other_worth, const Landmark& other) const {
-  const int own = worth(slot);
-  if (own != other_worth) return own < other_worth;
+bool MapLibrary<Config, Views>::gives_way(int slot, int other_score, const Landmark& other) const {
+  const int own = retention_score(slot);
+  if (own != other_score) return own < other_score;
   const Landmark& landmark = landmarks_[slot];
   if (landmark.sightings != other.sightings) return landmark.sightings < other.sightings;
   return landmark.id > other.id;
 }
 
 template <class Config, int Views>
-int MapLibrary<Config, Views>::least_worth_slot() const {
+int MapLibrary<Config, Views>::weakest_slot() const {
   int least = 0;
   for (int slot = 1; slot < size(); ++slot) {
-    if (worth_less(slot, worth(least), landmarks_[least])) least = slot;
+    if (gives_way(slot, retention_score(least), landmarks_[least])) least = slot;
   }
   return least;
 }
@@ -113,10 +113,11 @@ Status MapLibrary<Config, Views>::insert(const Landmark& landmark, Health& healt
     ++health.landmarks_added;
     return Status::kOk;
   }
-  const int slot = least_worth_slot();
-  // What the newcomer would be worth in the place of the one that leaves.
-  const int worth = worth_of(landmark_score(landmark), count_neighbours(landmark, slot));
-  if (!worth_less(slot, worth, landmark)) {
+  const int slot = weakest_slot();
+  // The new landmark's score once the one that it replaces no longer counts as a neighbour.
+  const int retention_score =
+      retention_of(landmark_score(landmark), count_neighbours(landmark, slot));
+  if (!gives_way(slot, retention_score, landmark)) {
     ++health.landmarks_refused;
     return Status::kFull;
   }

@@ -91,9 +91,9 @@ constexpr int landmark_bytes() {
 }
 
 template <class Writer, class T, int Views>
-void write_landmark(const MapLandmark<T, Views>& landmark, Writer& out) {
+void write_landmark(const LibraryLandmark<T, Views>& landmark, Writer& out) {
   out.put32(landmark.id);
-  for (int k = 0; k < 3; ++k) out.put_real(landmark.p_world[k]);
+  for (int k = 0; k < 3; ++k) out.put_real(landmark.p_map[k]);
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c <= r; ++c) out.put_real(landmark.covariance(r, c));
   }
@@ -109,21 +109,21 @@ void write_landmark(const MapLandmark<T, Views>& landmark, Writer& out) {
     out.put8(view.pose.scale_index);
     out.put16(0);
     out.put_real(view.focal_px);
-    const Quaternion<T>& q = view.T_world_reference.rotation;
+    const Quaternion<T>& q = view.T_map_reference.rotation;
     out.put_real(q.w());
     out.put_real(q.x());
     out.put_real(q.y());
     out.put_real(q.z());
-    for (int k = 0; k < 3; ++k) out.put_real(view.T_world_reference.translation[k]);
+    for (int k = 0; k < 3; ++k) out.put_real(view.T_map_reference.translation[k]);
   }
 }
 
 /// Reads a record. False when its padding is not zero.
 template <class Reader, class T, int Views>
-bool read_landmark(Reader& in, MapLandmark<T, Views>& landmark) {
-  landmark = MapLandmark<T, Views>();
+bool read_landmark(Reader& in, LibraryLandmark<T, Views>& landmark) {
+  landmark = LibraryLandmark<T, Views>();
   landmark.id = in.get32();
-  for (int k = 0; k < 3; ++k) landmark.p_world[k] = in.template get_real<T>();
+  for (int k = 0; k < 3; ++k) landmark.p_map[k] = in.template get_real<T>();
   for (int r = 0; r < 3; ++r) {
     for (int c = 0; c <= r; ++c) {
       landmark.covariance(r, c) = in.template get_real<T>();
@@ -142,13 +142,13 @@ bool read_landmark(Reader& in, MapLandmark<T, Views>& landmark) {
     view.pose.scale_index = in.get8();
     padding |= in.get16();
     view.focal_px = in.template get_real<T>();
-    Quaternion<T>& q = view.T_world_reference.rotation;
+    Quaternion<T>& q = view.T_map_reference.rotation;
     q.w() = in.template get_real<T>();
     q.x() = in.template get_real<T>();
     q.y() = in.template get_real<T>();
     q.z() = in.template get_real<T>();
     for (int k = 0; k < 3; ++k) {
-      view.T_world_reference.translation[k] = in.template get_real<T>();
+      view.T_map_reference.translation[k] = in.template get_real<T>();
     }
   }
   return padding == 0;

@@ -1,4 +1,4 @@
-#include "cairn/tracking/candidate_filter.hpp"
+#include "cairn/tracking/depth_filter.hpp"
 
 #include <memory>
 
@@ -14,7 +14,7 @@ class CandidatesAndADenseFilter : public ::testing::Test {
  protected:
   static constexpr int kKeyframes = 3;
   static constexpr int kCandidates = 6;
-  using Filter = CandidateFilter<kKeyframes, kCandidates>;
+  using Filter = DepthFilter<kKeyframes, kCandidates>;
   static constexpr int kStates = Filter::kStates;
   using State = Eigen::Matrix<double, kStates, 1>;
   using Dense = Eigen::Matrix<double, kStates, kStates>;
@@ -36,8 +36,8 @@ class CandidatesAndADenseFilter : public ::testing::Test {
     copy.middleRows<2>(2 + 2 * k) = copy.topRows<2>().eval();
     dense_ = copy * dense_ * copy.transpose();
   }
-  void begin_candidate(int slot, double variance) {
-    filter_.begin_candidate(slot, static_cast<float>(variance));
+  void begin_seed(int slot, double variance) {
+    filter_.begin_seed(slot, static_cast<float>(variance));
     forget(state_of(slot), 1);
     dense_(state_of(slot), state_of(slot)) = variance;
   }
@@ -108,12 +108,12 @@ class CandidatesAndADenseFilter : public ::testing::Test {
 TEST_F(CandidatesAndADenseFilter, AgreeOverALifeOfKeyframesAndCandidates) {
   predict(2e-3, 4e-3);
   begin_keyframe(0);
-  for (int slot = 0; slot < 4; ++slot) begin_candidate(slot, 0.04);
+  for (int slot = 0; slot < 4; ++slot) begin_seed(slot, 0.04);
   for (int frame = 0; frame < 6; ++frame) {
     predict(1e-3, 3e-3);
     if (frame == 3) {
       begin_keyframe(2);
-      for (int slot = 4; slot < kCandidates; ++slot) begin_candidate(slot, 0.09);
+      for (int slot = 4; slot < kCandidates; ++slot) begin_seed(slot, 0.09);
     }
     Filter::Correction correction;
     moved_.setZero();
@@ -139,15 +139,15 @@ TEST_F(CandidatesAndADenseFilter, AKeyframeBeginsTiedToTheCamera) {
 TEST_F(CandidatesAndADenseFilter, AMovedCandidateKeepsWhatItKnows) {
   predict(2e-3, 4e-3);
   begin_keyframe(0);
-  begin_candidate(1, 0.04);
-  begin_candidate(4, 0.09);
+  begin_seed(1, 0.04);
+  begin_seed(4, 0.09);
   predict(1e-3, 3e-3);
   Filter::Correction correction;
   update(residual(4, 0), correction);
   Filter::Residual about = residual(4, 0);
   const Matrix2<float> before = filter_.innovation_covariance(about, 0.5F);
   const float variance = filter_.variance(4);
-  filter_.move_candidate(4, 1);
+  filter_.move_seed(4, 1);
   about.slot = 1;
   EXPECT_EQ(filter_.variance(1), variance);
   EXPECT_EQ(filter_.variance(4), 0.0F);
@@ -157,24 +157,24 @@ TEST_F(CandidatesAndADenseFilter, AMovedCandidateKeepsWhatItKnows) {
 TEST_F(CandidatesAndADenseFilter, ForgetWhatEnds) {
   predict(2e-3, 4e-3);
   begin_keyframe(0);
-  begin_candidate(2, 0.04);
+  begin_seed(2, 0.04);
   predict(1e-3, 3e-3);
   Filter::Correction correction;
   update(residual(2, 0), correction);
   filter_.end_keyframe(0);
-  filter_.end_candidate(2);
+  filter_.end_seed(2);
   forget(2, 2);
   forget(state_of(2), 1);
   EXPECT_EQ(filter_.variance(2), 0.0F);
   expect_equal_innovation(residual(2, 0));
-  begin_candidate(2, 0.25);
+  begin_seed(2, 0.25);
   expect_equal_innovation(residual(2, 0));
 }
 
 TEST_F(CandidatesAndADenseFilter, RefuseAResidualOutsideTheGate) {
   predict(1e-4, 1e-4);
   begin_keyframe(0);
-  begin_candidate(0, 1e-4);
+  begin_seed(0, 1e-4);
   Filter::Residual far = residual(0, 0);
   far.by_depth = Vector2<float>(1.0F, 0.0F);
   far.pixel = Vector2<float>(5.0F, 0.0F);

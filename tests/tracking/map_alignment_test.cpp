@@ -1,4 +1,4 @@
-#include "cairn/tracking/map_frame.hpp"
+#include "cairn/tracking/map_alignment.hpp"
 
 #include <type_traits>
 
@@ -31,21 +31,21 @@ Rigid<float> vehicle_in(const PlanarPose<float>& frame, const PlanarPose<float>&
 }
 
 template <class Filter>
-class MapFrameTest : public testing::Test {
+class MapAlignmentTest : public testing::Test {
  protected:
   void SetUp() override {
     pose_.position = {12.0F, -7.0F};
     pose_.heading = 0.8F;
     covariance_ = Vector3<float>(0.04F, 0.02F, square(0.04F)).asDiagonal();
     ASSERT_TRUE(ok(filter_.initialise(pose_, covariance_, PlanarParameters<float>{})));
-    ASSERT_TRUE(ok(frame_.enter(filter_, next_id_, covariance_, square(0.02F))));
+    ASSERT_TRUE(ok(alignment_.begin(filter_, next_id_, covariance_, square(0.02F))));
   }
 
   void add_landmarks(int first, int last) {
     const Matrix3<float> own = square(0.01F) * Matrix3<float>::Identity();
     for (int k = first; k < last; ++k) {
-      ASSERT_TRUE(
-          ok(frame_.add(filter_, static_cast<LandmarkId>(100 + k), landmark(pose_, k), own)));
+      ASSERT_TRUE(ok(alignment_.add_landmark(filter_, static_cast<LandmarkId>(100 + k),
+                                             landmark(pose_, k), own)));
     }
   }
 
@@ -69,7 +69,7 @@ class MapFrameTest : public testing::Test {
   }
 
   Filter filter_;
-  MapFrame<Filter> frame_;
+  MapAlignment<Filter> alignment_;
   LandmarkId next_id_ = 1;
   PlanarPose<float> pose_;          ///< of the vehicle, as the filter starts
   PlanarPose<float> filter_truth_;  ///< where it is
@@ -77,18 +77,18 @@ class MapFrameTest : public testing::Test {
 };
 
 using Filters = testing::Types<EkfSlam<float, 24, 3>, GroupIekfSlam<float, 24, 3>>;
-TYPED_TEST_SUITE(MapFrameTest, Filters);
+TYPED_TEST_SUITE(MapAlignmentTest, Filters);
 
-TYPED_TEST(MapFrameTest, IsTheWorldUntilTheMapIsSeen) {
+TYPED_TEST(MapAlignmentTest, IsTheWorldUntilTheMapIsSeen) {
   this->add_landmarks(0, kCount);
-  EXPECT_LT(this->frame_.T_world_map(this->filter_).translation.norm(), 1e-5F);
+  EXPECT_LT(this->alignment_.T_world_map(this->filter_).translation.norm(), 1e-5F);
   const int slot = this->filter_.find(105);
   EXPECT_LT((this->filter_.mean_landmark(slot) - landmark(this->pose_, 5)).norm(), 1e-5F);
 }
 
 /// The map lies turned and shifted: the pose in the map follows what is seen, and the pose in the
 /// world gets no surer than half of what it and the map were, however many landmarks tell.
-TYPED_TEST(MapFrameTest, TellsThePoseInTheMapAndLeavesTheWorldOpen) {
+TYPED_TEST(MapAlignmentTest, TellsThePoseInTheMapAndLeavesTheWorldOpen) {
   this->filter_truth_ = this->pose_;
   this->add_landmarks(0, kCount);
   PlanarPose<float> map;  // turned about the vehicle by 0.03 rad, then shifted
@@ -99,7 +99,7 @@ TYPED_TEST(MapFrameTest, TellsThePoseInTheMapAndLeavesTheWorldOpen) {
   for (int k = 0; k < 12; ++k) ASSERT_GE(this->see(map, 0, kCount), kCount / 2) << k;
 
   const Rigid<float> T_map_vehicle =
-      this->frame_.T_world_map(this->filter_).inverse() * on_floor(this->filter_.mean_pose());
+      this->alignment_.T_world_map(this->filter_).inverse() * on_floor(this->filter_.mean_pose());
   const Rigid<float> error = vehicle_in(map, this->pose_).inverse() * T_map_vehicle;
   EXPECT_LT(error.translation.norm(), 0.015F);
   EXPECT_LT(rotation_log(error.rotation).norm(), 0.003F);
@@ -114,7 +114,7 @@ TYPED_TEST(MapFrameTest, TellsThePoseInTheMapAndLeavesTheWorldOpen) {
 }
 
 /// What the first landmarks tell of the frame, later ones come in with.
-TYPED_TEST(MapFrameTest, PlacesLaterLandmarksByWhatEarlierOnesTold) {
+TYPED_TEST(MapAlignmentTest, PlacesLaterLandmarksByWhatEarlierOnesTold) {
   this->filter_truth_ = this->pose_;
   this->add_landmarks(0, 6);
   PlanarPose<float> map;
@@ -138,18 +138,18 @@ TYPED_TEST(MapFrameTest, PlacesLaterLandmarksByWhatEarlierOnesTold) {
 
 /// Offset and turn about the vehicle: near it landmarks stay as sure as the offset, far from it the
 /// turn counts.
-TYPED_TEST(MapFrameTest, DriftsWithTheWay) {
+TYPED_TEST(MapAlignmentTest, DriftsWithTheWay) {
   MapDrift drift;
   drift.position_m = 0.1F;
   drift.heading_rad = 0.02F;
   const int origin = this->filter_.find(1);
   const Matrix3<float> before = this->filter_.landmark_covariance(origin);
-  this->frame_.follow(this->filter_, drift);
+  this->alignment_.add_drift(this->filter_, drift);
   EXPECT_NEAR(this->filter_.landmark_covariance(origin)(0, 0), before(0, 0), 1e-6F);
   PlanarIncrement<float> step;
   step.distance_m = 4.0F;
   ASSERT_TRUE(ok(this->filter_.predict(step)));
-  this->frame_.follow(this->filter_, drift);
+  this->alignment_.add_drift(this->filter_, drift);
   const Matrix3<float> grown = this->filter_.landmark_covariance(origin) - before;
   const Vector2<float> ahead(cos(this->pose_.heading), sin(this->pose_.heading));
   const Vector2<float> left(-ahead.y(), ahead.x());
@@ -158,13 +158,14 @@ TYPED_TEST(MapFrameTest, DriftsWithTheWay) {
   EXPECT_NEAR(left.dot(in_plane * left), 4.0F * (0.01F + square(4.0F * 0.02F)), 2e-3F);
 }
 
-TYPED_TEST(MapFrameTest, RefusesWhatItCannotUseAndStaysAsItWas) {
+TYPED_TEST(MapAlignmentTest, RefusesWhatItCannotUseAndStaysAsItWas) {
   this->add_landmarks(0, kCount);
   Hash64 before;
   this->filter_.hash(before);
   const Matrix3<float> own = Matrix3<float>::Identity();
-  EXPECT_EQ(this->frame_.add(this->filter_, 105, Vector3<float>::Zero(), own), Status::kDuplicate);
-  EXPECT_EQ(this->frame_.add(this->filter_, 300, Vector3<float>::Zero(), -own),
+  EXPECT_EQ(this->alignment_.add_landmark(this->filter_, 105, Vector3<float>::Zero(), own),
+            Status::kDuplicate);
+  EXPECT_EQ(this->alignment_.add_landmark(this->filter_, 300, Vector3<float>::Zero(), -own),
             Status::kInvalidArgument);
   EXPECT_EQ(this->filter_.add_framed_landmark(300, Vector3<float>::Zero(), own, 1, 77),
             Status::kNotFound);
@@ -178,15 +179,15 @@ TYPED_TEST(MapFrameTest, RefusesWhatItCannotUseAndStaysAsItWas) {
 }
 
 /// A filter with one free slot cannot hold the frame's two.
-TYPED_TEST(MapFrameTest, DoesNotEnterByHalves) {
+TYPED_TEST(MapAlignmentTest, DoesNotBeginByHalves) {
   TypeParam filter;
-  MapFrame<TypeParam> frame;
+  MapAlignment<TypeParam> frame;
   LandmarkId next_id = 1;
   ASSERT_TRUE(ok(filter.initialise(this->pose_, this->covariance_, PlanarParameters<float>{})));
   for (; next_id < TypeParam::kMaxLandmarks; ++next_id)
     ASSERT_TRUE(ok(filter.add_position(next_id)));
-  EXPECT_EQ(frame.enter(filter, next_id, this->covariance_, 1e-4F), Status::kFull);
-  EXPECT_FALSE(frame.entered(filter));
+  EXPECT_EQ(frame.begin(filter, next_id, this->covariance_, 1e-4F), Status::kFull);
+  EXPECT_FALSE(frame.estimated(filter));
   EXPECT_EQ(filter.landmark_count(), TypeParam::kMaxLandmarks - 1);
   EXPECT_EQ(next_id, static_cast<LandmarkId>(TypeParam::kMaxLandmarks));
 }

@@ -1,4 +1,4 @@
-#include "cairn/tracking/candidate_pool.hpp"
+#include "cairn/tracking/seed_pool.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,11 +9,11 @@
 namespace cairn {
 namespace {
 
-using Pool = CandidatePool<16, 4>;
+using Pool = SeedPool<16, 4>;
 using test::PlaneScene;
 
-/// GIVEN candidates on a plane 3 m ahead, started without knowledge of their depth.
-class CandidateDepth : public ::testing::Test {
+/// GIVEN seeds on a plane 3 m ahead, started without knowledge of their depth.
+class SeedDepth : public ::testing::Test {
  protected:
   static constexpr double kDepth = 3.0;
   static constexpr LandmarkId kKeyframe = 7;
@@ -43,46 +43,46 @@ class CandidateDepth : public ::testing::Test {
   Pool::Parameters parameters_;
 };
 
-TEST_F(CandidateDepth, IsFoundBySidewaysMotion) {
+TEST_F(SeedDepth, IsFoundBySidewaysMotion) {
   start();
   const int started = pool_.size();
-  int promoted = 0;
+  int landmarks = 0;
   // WHEN the camera moves sideways by 5 cm a frame
   for (int k = 1; k <= 12; ++k) {
     const Rigid<double> T{Quaternion<double>::Identity(), {0.05 * k, 0, 0}};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
                  parameters_, scratch_, unlimited_);
-    Promotion promotion;
-    while (pool_.promote(test::to_float(camera_), parameters_, promotion)) {
-      ++promoted;
-      // THEN the depth of those promoted is right within their own deviation.
-      const float sigma = promotion.sigma_depth_m;
-      EXPECT_NEAR(promotion.depth_m, kDepth, 3.0 * static_cast<double>(sigma));
+    ConvergedSeed converged;
+    while (pool_.take_converged(test::to_float(camera_), parameters_, converged)) {
+      ++landmarks;
+      // THEN the depths of those converged are right within their own sigma.
+      const float sigma = converged.sigma_depth_m;
+      EXPECT_NEAR(converged.depth_m, kDepth, 3.0 * static_cast<double>(sigma));
       EXPECT_LT(sigma, 0.5F);
-      EXPECT_EQ(promotion.keyframe, kKeyframe);
+      EXPECT_EQ(converged.keyframe, kKeyframe);
     }
   }
-  EXPECT_GE(promoted * 2, started);
+  EXPECT_GE(landmarks * 2, started);
 }
 
-TEST_F(CandidateDepth, StaysUnknownUnderPureRotation) {
+TEST_F(SeedDepth, StaysUnknownUnderPureRotation) {
   start();
   for (int k = 1; k <= 8; ++k) {
     const Rigid<double> T{rotation_exp(Vector3<double>(0, 0.01 * k, 0)), {0, 0, 0}};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
                  parameters_, scratch_, unlimited_);
-    Promotion promotion;
-    EXPECT_FALSE(pool_.promote(test::to_float(camera_), parameters_, promotion));
+    ConvergedSeed converged;
+    EXPECT_FALSE(pool_.take_converged(test::to_float(camera_), parameters_, converged));
   }
   EXPECT_GE(pool_.size(), 4);
 }
 
 /// An error of the caller's heading looks like parallax: it must not end up in the depths.
-TEST_F(CandidateDepth, IsToldApartFromAnUnreportedTurn) {
+TEST_F(SeedDepth, IsSeparatedFromAnUnreportedTurn) {
   start();
-  int promoted = 0;
+  int landmarks = 0;
   parameters_.sigma_yaw_rad = 0.006F;
   for (int k = 1; k <= 14; ++k) {
     const Rigid<double> T{Quaternion<double>::Identity(), {0.04 * k, 0, 0}};
@@ -91,16 +91,16 @@ TEST_F(CandidateDepth, IsToldApartFromAnUnreportedTurn) {
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(reported),
                  parameters_, scratch_, unlimited_);
-    Promotion promotion;
-    while (pool_.promote(test::to_float(camera_), parameters_, promotion)) {
-      ++promoted;
-      EXPECT_NEAR(promotion.depth_m, kDepth, 3.0 * static_cast<double>(promotion.sigma_depth_m));
+    ConvergedSeed converged;
+    while (pool_.take_converged(test::to_float(camera_), parameters_, converged)) {
+      ++landmarks;
+      EXPECT_NEAR(converged.depth_m, kDepth, 3.0 * static_cast<double>(converged.sigma_depth_m));
     }
   }
-  EXPECT_GE(promoted, 3);
+  EXPECT_GE(landmarks, 3);
 }
 
-TEST_F(CandidateDepth, IsForgottenWithItsKeyframe) {
+TEST_F(SeedDepth, IsForgottenWithItsKeyframe) {
   start();
   const int started = pool_.size();
   EXPECT_EQ(pool_.end_keyframes(true), 0) << "there is room for three more";
@@ -112,7 +112,7 @@ TEST_F(CandidateDepth, IsForgottenWithItsKeyframe) {
   EXPECT_EQ(pool_.size(), started);
 }
 
-TEST_F(CandidateDepth, LostCandidatesAreDropped) {
+TEST_F(SeedDepth, LostSeedsAreDropped) {
   start();
   const auto other = PlaneScene(kDepth, 0.11, 77).render(camera_, Rigid<double>{});
   const int started = pool_.size();

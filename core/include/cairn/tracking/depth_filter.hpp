@@ -7,22 +7,22 @@
 
 namespace cairn {
 
-/// Kalman filter over what a pool of candidates does not know: the turn of the current camera and
-/// of the keyframes at which candidates began (pitch and yaw in the camera's own axes), and each
-/// candidate's inverse depth. Turn and depth must be estimated together: a yaw error and the
-/// parallax of points on one side of the image look alike, and a depth that was told apart from it
-/// is wrong by more than its variance says. Camera translation counts as known.
+/// Depth filter of a pool of seeds: a Kalman filter over the errors of the present camera's
+/// rotation, of the keyframes' rotations (pitch and yaw, each in its camera's own axes), and of
+/// each seed's inverse depth. Rotation and depth are estimated together because a yaw error moves
+/// the points on one side of the image as parallax does: a depth filtered alone would be wrong by
+/// more than its variance. Camera translation counts as known.
 ///
-/// State: 2 for the camera, 2 for each keyframe, 1 for each candidate; a slot that is not in use
-/// has variance zero. The means live with the caller, this class hands out corrections.
-template <int Keyframes, int Candidates>
-class CandidateFilter {
+/// State: 2 for the camera, 2 for each keyframe, 1 for each seed; a slot that is not in use has
+/// variance zero. The means are the caller's; this class returns corrections to them.
+template <int Keyframes, int Seeds>
+class DepthFilter {
  public:
-  static constexpr int kStates = 2 + 2 * Keyframes + Candidates;
+  static constexpr int kStates = 2 + 2 * Keyframes + Seeds;
 
-  CandidateFilter() { P_.resize(kStates); }
+  DepthFilter() { P_.resize(kStates); }
 
-  /// What one update moves: turns in rad about camera x and y, inverse depths in 1/m.
+  /// Corrections of the means: rotations in rad about camera x and y, inverse depths in 1/m.
   struct Correction {
     float state[kStates] = {};
     Vector3<float> camera() const { return {state[0], state[1], 0.0F}; }
@@ -30,8 +30,7 @@ class CandidateFilter {
     float depth(int slot) const { return state[2 + 2 * Keyframes + slot]; }
   };
 
-  /// Residual of one candidate: measured minus predicted pixel, and the Jacobians of the
-  /// prediction.
+  /// Residual of one seed: measured minus predicted pixel, and the Jacobians of the prediction.
   struct Residual {
     int slot = 0;
     int keyframe = 0;
@@ -46,7 +45,7 @@ class CandidateFilter {
     P_.resize(kStates);
   }
 
-  /// Adds the uncertainty of the camera's turn since the frame before, rad per axis.
+  /// Adds the uncertainty of the camera's rotation since the frame before, rad per axis.
   void predict(float sigma_pitch, float sigma_yaw) {
     P_(0, 0) += square(sigma_pitch);
     P_(1, 1) += square(sigma_yaw);
@@ -65,14 +64,14 @@ class CandidateFilter {
     }
   }
 
-  void begin_candidate(int slot, float variance) {
+  void begin_seed(int slot, float variance) {
     end(state_of(slot), 1);
     P_(state_of(slot), state_of(slot)) = variance;
   }
   void end_keyframe(int k) { end(2 + 2 * k, 2); }
-  void end_candidate(int slot) { end(state_of(slot), 1); }
-  /// The last candidate's slot takes the place of another.
-  void move_candidate(int from, int to) {
+  void end_seed(int slot) { end(state_of(slot), 1); }
+  /// Moves a seed's state from slot `from` to slot `to`, whose own is lost.
+  void move_seed(int from, int to) {
     if (from == to) return;
     const int a = state_of(from);
     const int b = state_of(to);
@@ -97,15 +96,15 @@ class CandidateFilter {
     return s;
   }
 
-  /// Uses a residual unless what `pending` leaves of it is outside the gate; false then. `pending`
-  /// gathers the corrections of this frame's updates: residuals are those at the predicted state.
-  /// Cost: 2 kStates^2 multiply-adds.
-  bool update(const Residual& residual, float sigma_px, float gate, Correction& pending) {
+  /// Uses a residual, taken at the predicted state, after the corrections that this frame has
+  /// gathered so far in `correction`, to which its own is added. False, and nothing changed, when
+  /// it is outside the gate. Cost: 2 kStates^2 multiply-adds.
+  bool update(const Residual& residual, float sigma_px, float gate, Correction& correction) {
     int index[kTerms];
     Vector2<float> h[kTerms];
     terms(residual, index, h);
     Vector2<float> innovation = residual.pixel;
-    for (int a = 0; a < kTerms; ++a) innovation -= pending.state[index[a]] * h[a];
+    for (int a = 0; a < kTerms; ++a) innovation -= correction.state[index[a]] * h[a];
     const Matrix2<float> s = innovation_covariance(residual, sigma_px);
     float i00 = 0.0F;
     float i01 = 0.0F;
@@ -123,7 +122,7 @@ class CandidateFilter {
     }
     P_.multiply_sparse(index, coefficients[0], kTerms, a);
     P_.multiply_sparse(index, coefficients[1], kTerms, b);
-    for (int j = 0; j < kStates; ++j) pending.state[j] += a[j] * w0 + b[j] * w1;
+    for (int j = 0; j < kStates; ++j) correction.state[j] += a[j] * w0 + b[j] * w1;
     P_.downdate(a, b, i00, i01, i11);
     return true;
   }

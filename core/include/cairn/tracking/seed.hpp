@@ -1,0 +1,50 @@
+#pragma once
+
+#include "cairn/tracking/active_search.hpp"
+#include "cairn/tracking/appearance.hpp"
+
+namespace cairn {
+
+/// A point whose depth is still uncertain: it is followed from frame to frame until it can become a
+/// landmark (delayed initialisation).
+struct Seed {
+  Appearance appearance;     ///< first view, at its keyframe
+  Vector3<float> first_ray;  ///< (x, y, 1) in the first camera
+  Vector2<float> pixel;      ///< last measured
+  float rho = 0.0F;          ///< 1 / depth (z) in the first camera, 1/m
+  int keyframe = 0;          ///< slot of the keyframe at which it began
+  int seen = 1;
+  int misses = 0;
+};
+
+/// A seed whose depth has converged, on the scale of the distances between the caller's poses.
+struct ConvergedSeed {
+  Appearance appearance;        ///< T_world_reference: the first camera in the pool's own world
+  Rigid<float> T_camera_first;  ///< first camera as seen from the present one
+  Vector3<float> ray;           ///< (x, y, 1) in the present camera
+  float depth_m = 0.0F;         ///< z in the present camera, if T_camera_first has the right length
+  float sigma_depth_m = 0.0F;   ///< of it, from the pixels alone
+  Vector2<float> pixel;
+  LandmarkId keyframe = kNoLandmark;
+};
+
+struct SeedParameters {
+  float initial_depth_m = 4.0F;
+  float initial_sigma_rho = 0.25F;  ///< 1/m: everything beyond about 1.3 m within 2 sigma
+  float sigma_px = 0.3F;
+  float max_relative_sigma = 0.12F;  ///< sigma(rho) / rho of a converged seed
+  float min_depth_m = 0.5F;
+  float max_depth_m = 25.0F;
+  float depth_inflation = 1.5F;   ///< of the depth's sigma when it has converged
+  float sigma_yaw_rad = 0.002F;   ///< of the caller's rotation since the frame before
+  float sigma_pitch_rad = 1e-4F;  ///< same, about the camera's x axis
+  float gate = 9.21F;
+  float search_step_px = 2.5F;  ///< sideways starts tried when few seeds are found
+  int min_views = 6;
+  int max_views = 150;
+  int max_misses = 2;
+  int min_correlation_q10 = 768;
+  SearchParameters search;
+};
+
+}  // namespace cairn

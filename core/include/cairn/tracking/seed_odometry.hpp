@@ -1,0 +1,194 @@
+#pragma once
+
+#include "cairn/base/fixed_vector.hpp"
+#include "cairn/numeric/math.hpp"
+#include "cairn/tracking/depth_filter.hpp"
+#include "cairn/tracking/seed.hpp"
+
+namespace cairn {
+
+/// The visual odometry of a pool of seeds: where its camera and keyframes are, where each seed is
+/// expected in the image, and how the pixels found correct rotations and inverse depths. The
+/// camera's translation comes from the caller's poses, its rotation is corrected together with the
+/// depths (DepthFilter).
+template <int MaxSeeds, int MaxKeyframes>
+class SeedOdometry {
+ public:
+  using Filter = DepthFilter<MaxKeyframes, MaxSeeds>;
+  using Seeds = FixedVector<Seed, MaxSeeds>;
+
+  /// Where a seed is expected.
+  struct Expected {
+    Vector2<float> pixel;
+    Vector3<float> p_camera;
+    typename Filter::Residual residual;  ///< all but the measured pixel
+  };
+
+  void clear() {
+    for (Keyframe& keyframe : keyframes_) keyframe.id = kNoLandmark;
+    filter_.clear();
+    has_pose_ = false;
+  }
+
+  bool has_pose() const { return has_pose_; }
+  const Rigid<float>& T_pool_camera() const { return T_pool_camera_; }
+  const Rigid<float>& T_pool_keyframe(int slot) const { return keyframes_[slot].T_pool_camera; }
+  LandmarkId keyframe_id(int slot) const { return keyframes_[slot].id; }
+  float variance(int seed) const { return filter_.variance(seed); }
+  Matrix2<float> innovation_covariance(const Expected& expected, float sigma_px) const {
+    return filter_.innovation_covariance(expected.residual, sigma_px);
+  }
+  Rigid<float> T_camera_first(const Seed& seed) const {
+    return T_pool_camera_.inverse() * keyframes_[seed.keyframe].T_pool_camera;
+  }
+
+  /// Moves the camera by what the caller's estimate moved since the last call.
+  void move_to(const Rigid<float>& T_odometry_camera, const SeedParameters& parameters) {
+    if (has_pose_) {
+      T_pool_camera_ = T_pool_camera_ * (T_odometry_last_.inverse() * T_odometry_camera);
+      filter_.predict(parameters.sigma_pitch_rad, parameters.sigma_yaw_rad);
+    }
+    T_odometry_last_ = T_odometry_camera;
+    has_pose_ = true;
+  }
+
+  /// Slot of a keyframe, or with kNoLandmark a free one; -1 where there is none.
+  int find_keyframe(LandmarkId id) const {
+    for (int k = 0; k < MaxKeyframes; ++k) {
+      if (keyframes_[k].id == id) return k;
+    }
+    return -1;
+  }
+  /// Makes the present camera the keyframe `id` in a free slot.
+  void begin_keyframe(int slot, LandmarkId id) {
+    keyframes_[slot] = {id, T_pool_camera_};
+    filter_.begin_keyframe(slot);
+  }
+  void end_keyframe(int slot) {
+    keyframes_[slot].id = kNoLandmark;
+    filter_.end_keyframe(slot);
+  }
+
+  void begin_seed(int seed, float variance) { filter_.begin_seed(seed, variance); }
+  /// Removes a seed; the last one takes its place.
+  void remove_seed(int seed, int last) {
+    filter_.move_seed(last, seed);
+    if (seed == last) filter_.end_seed(seed);
+  }
+
+  /// False where the seed is not expected in the image.
+  bool expect(const PinholeCamera<float>& camera, const Seeds& seeds, int i,
+              Expected& expected) const;
+
+  /// Corrects rotations and depths with the seeds `found` at `pixels`. The camera's rotation error
+  /// is common to all residuals: those far from their median, compared with what the depth's sigma
+  /// allows, are left out and no longer count as found.
+  void correct(const PinholeCamera<float>& camera, const SeedParameters& parameters, Seeds& seeds,
+               const Vector2<float>* pixels, bool* found);
+
+ private:
+  struct Keyframe {
+    LandmarkId id = kNoLandmark;
+    Rigid<float> T_pool_camera;
+  };
+
+  bool median_residual(const PinholeCamera<float>& camera, const Seeds& seeds,
+                       const Vector2<float>* pixels, const bool* found,
+                       Vector2<float>& median) const;
+  void apply(const typename Filter::Correction& correction, float min_rho, Seeds& seeds);
+  static void insert_sorted(float* values, int count, float value) {
+    int k = count;
+    for (; k > 0 && values[k - 1] > value; --k) values[k] = values[k - 1];
+    values[k] = value;
+  }
+
+  Keyframe keyframes_[MaxKeyframes];
+  Filter filter_;
+  Rigid<float> T_pool_camera_;
+  Rigid<float> T_odometry_last_;
+  bool has_pose_ = false;
+};
+
+template <int MaxSeeds, int MaxKeyframes>
+bool SeedOdometry<MaxSeeds, MaxKeyframes>::expect(const PinholeCamera<float>& camera,
+                                                  const Seeds& seeds, int i,
+                                                  Expected& expected) const {
+  const Seed& seed = seeds[i];
+  const Rigid<float> T = T_camera_first(seed);
+  const Vector3<float> scaled = T.rotation * seed.first_ray + seed.rho * T.translation;
+  Matrix<float, 2, 3> jacobian;
+  if (!ok(camera.project(scaled, expected.pixel, jacobian))) return false;
+  const Matrix3<float> by_rotation = skew(scaled);
+  const Matrix3<float> rotation = T.rotation.toRotationMatrix();
+  const Matrix3<float> by_first_rotation = rotation * skew(seed.first_ray);
+  expected.residual.slot = i;
+  expected.residual.keyframe = seed.keyframe;
+  expected.residual.by_camera = jacobian * by_rotation.template leftCols<2>();
+  expected.residual.by_keyframe = -(jacobian * by_first_rotation.template leftCols<2>());
+  expected.residual.by_depth = jacobian * T.translation;
+  expected.p_camera = scaled * (1.0F / seed.rho);
+  return camera.contains(expected.pixel, 10.0F);
+}
+
+template <int MaxSeeds, int MaxKeyframes>
+void SeedOdometry<MaxSeeds, MaxKeyframes>::correct(const PinholeCamera<float>& camera,
+                                                   const SeedParameters& parameters, Seeds& seeds,
+                                                   const Vector2<float>* pixels, bool* found) {
+  constexpr float kFarFromMedian = 3.0F;
+  Vector2<float> median;
+  if (!median_residual(camera, seeds, pixels, found, median)) return;
+  typename Filter::Correction correction;
+  for (int i = 0; i < seeds.size(); ++i) {
+    Expected expected;
+    if (!found[i]) continue;
+    found[i] = expect(camera, seeds, i, expected);
+    if (!found[i]) continue;
+    expected.residual.pixel = pixels[i] - expected.pixel;
+    const Vector2<float> off = expected.residual.pixel - median;
+    const Vector2<float>& slope = expected.residual.by_depth;
+    const float allowed = kFarFromMedian + 3.0F * sqrt(filter_.variance(i) * slope.dot(slope));
+    found[i] = off.dot(off) <= square(allowed) &&
+               filter_.update(expected.residual, parameters.sigma_px, parameters.gate, correction);
+  }
+  apply(correction, 0.2F / parameters.max_depth_m, seeds);
+}
+
+template <int MaxSeeds, int MaxKeyframes>
+void SeedOdometry<MaxSeeds, MaxKeyframes>::apply(const typename Filter::Correction& correction,
+                                                 float min_rho, Seeds& seeds) {
+  T_pool_camera_.rotation =
+      (T_pool_camera_.rotation * rotation_exp(correction.camera())).normalized();
+  for (int k = 0; k < MaxKeyframes; ++k) {
+    if (keyframes_[k].id == kNoLandmark) continue;
+    Quaternion<float>& rotation = keyframes_[k].T_pool_camera.rotation;
+    rotation = (rotation * rotation_exp(correction.keyframe(k))).normalized();
+  }
+  for (int i = 0; i < seeds.size(); ++i) {
+    Seed& seed = seeds[i];
+    seed.rho += correction.depth(i);
+    if (seed.rho < min_rho) seed.rho = min_rho;
+  }
+}
+
+template <int MaxSeeds, int MaxKeyframes>
+bool SeedOdometry<MaxSeeds, MaxKeyframes>::median_residual(const PinholeCamera<float>& camera,
+                                                           const Seeds& seeds,
+                                                           const Vector2<float>* pixels,
+                                                           const bool* found,
+                                                           Vector2<float>& median) const {
+  float u[MaxSeeds];
+  float v[MaxSeeds];
+  int count = 0;
+  for (int i = 0; i < seeds.size(); ++i) {
+    Expected expected;
+    if (!found[i] || !expect(camera, seeds, i, expected)) continue;
+    insert_sorted(u, count, pixels[i].x() - expected.pixel.x());
+    insert_sorted(v, count, pixels[i].y() - expected.pixel.y());
+    ++count;
+  }
+  if (count == 0) return false;
+  median = Vector2<float>(u[count / 2], v[count / 2]);
+  return true;
+}
+
+}  // namespace cairn

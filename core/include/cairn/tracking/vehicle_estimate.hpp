@@ -1,0 +1,169 @@
+#pragma once
+
+#include "cairn/base/hash.hpp"
+#include "cairn/planar/types.hpp"
+#include "cairn/tracking/frame_context.hpp"
+#include "cairn/tracking/landmark_measurement.hpp"
+#include "cairn/tracking/planar_pose_search.hpp"
+
+namespace cairn {
+
+/// When a landmark's height is compared with the floor.
+struct FloorParameters {
+  float sigma_m = 0.02F;             ///< unevenness of the floor; 0: heights are not used
+  float height_sigma_max_m = 0.08F;  ///< largest height sigma at which a landmark is tested
+  float gate = 3.84F;                ///< chi-square, 1 degree of freedom, 95 %
+};
+
+/// A planar SLAM filter, the camera on its vehicle, and the tracker's records of its landmarks,
+/// which come and go together. `Filter`: EkfSlam, LiftedIekfSlam or GroupIekfSlam, LandmarkDim 3.
+///
+/// Poses and points are in the filter's frame, `world`. Vehicle frame: x forward, y left, z up,
+/// origin on the floor.
+template <class Filter>
+class VehicleEstimate {
+ public:
+  static constexpr int kMaxLandmarks = Filter::kMaxLandmarks;
+  using Landmarks = TrackedLandmarks<kMaxLandmarks>;
+  using Matches = FixedVector<PixelMatch<float>, kMaxLandmarks>;
+
+  /// Starts anew without landmarks. Errors: as Filter::initialise(); nothing is changed.
+  Status initialise(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
+                    const PlanarPose<float>& pose, const Matrix3<float>& covariance,
+                    const PlanarParameters<float>& filter, float sigma_px,
+                    const FloorParameters& floor);
+
+  const Filter& filter() const { return filter_; }
+  Filter& filter() { return filter_; }
+  const PinholeCamera<float>& camera() const { return camera_; }
+  const Rigid<float>& T_vehicle_camera() const { return T_vehicle_camera_; }
+  Rigid<float> T_world_vehicle() const { return on_floor(filter_.mean_pose()); }
+  Rigid<float> T_world_camera() const { return T_world_vehicle() * T_vehicle_camera_; }
+
+  const Landmarks& landmarks() const { return landmarks_; }
+  Landmarks& landmarks() { return landmarks_; }
+  /// The first id that was not given out yet. Ids name landmarks and remembered positions.
+  const LandmarkId& next_id() const { return next_id_; }
+  LandmarkId& next_id() { return next_id_; }
+
+  // What search_landmarks() asks of a filter.
+  int size() const { return filter_.landmark_count(); }
+  LandmarkId id(int slot) const { return filter_.landmark_id(slot); }
+  Status predict(int slot, PixelPrediction<float>& prediction) const {
+    return filter_.predict_pixel(slot, camera_, T_vehicle_camera_, sigma_px_, prediction);
+  }
+
+  /// Most units of work that update() takes with so many matches.
+  int update_work(int matches) const;
+  /// Least number of inliers that the filter's parameters ask for.
+  int min_support() const { return ransac_.min_support; }
+
+  /// Updates the filter with the matches that the frame can pay for; the last ones, which are the
+  /// least informative, are left out first. Sets `inlier` of the others. `min_support`: inliers
+  /// that RANSAC must find. Errors, in the result: as Filter::update_pixels(); no match is then an
+  /// inlier.
+  PixelUpdate update(FrameContext& frame, Matches& matches, int min_support);
+
+  /// Takes the patch of a landmark that has none, seen at `pixel`. False where it has one, or the
+  /// frame cannot pay for it. Near the image border it stays without, until it is seen elsewhere.
+  bool take_patch(FrameContext& frame, TrackedLandmark& landmark,
+                  const Vector2<float>& pixel) const {
+    if (landmark.appearance.has_patch || !frame.work.take(work::kAppearance)) return false;
+    static_cast<void>(make_appearance(frame.image, round_to_int(pixel.x()), round_to_int(pixel.y()),
+                                      T_world_camera(), landmark.appearance));
+    return true;
+  }
+
+  /// Uses a landmark on the floor as a measurement of height 0, once its height is known well
+  /// enough to tell the floor from what stands on it. The camera's height above the floor is the
+  /// one length, beside odometry, that makes the map's scale observable. Landmarks of the library
+  /// and those tested before are passed over.
+  void constrain_to_floor(FrameContext& frame, TrackedLandmark& landmark);
+
+  /// Removes a landmark from the filter and from the records.
+  void remove(FrameContext& frame, int slot);
+
+ private:
+  Filter filter_;
+  Landmarks landmarks_;
+  LandmarkId next_id_ = 1;
+  PinholeCamera<float> camera_;
+  Rigid<float> T_vehicle_camera_;
+  OnePointRansacParameters ransac_;
+  FloorParameters floor_;
+  float sigma_px_ = 0.5F;
+};
+
+template <class Filter>
+Status VehicleEstimate<Filter>::initialise(const PinholeCamera<float>& camera,
+                                           const Rigid<float>& T_vehicle_camera,
+                                           const PlanarPose<float>& pose,
+                                           const Matrix3<float>& covariance,
+                                           const PlanarParameters<float>& filter, float sigma_px,
+                                           const FloorParameters& floor) {
+  const Status status = filter_.initialise(pose, covariance, filter);
+  if (!ok(status)) return status;
+  landmarks_.clear();
+  next_id_ = 1;
+  camera_ = camera;
+  T_vehicle_camera_ = T_vehicle_camera;
+  ransac_ = filter.ransac;
+  floor_ = floor;
+  sigma_px_ = sigma_px;
+  return Status::kOk;
+}
+
+template <class Filter>
+int VehicleEstimate<Filter>::update_work(int matches) const {
+  const int most = ransac_.max_hypotheses;
+  const int states = 3 + 3 * filter_.landmark_count();
+  return work::planar_update(states, matches, matches < most ? matches : most, matches);
+}
+
+template <class Filter>
+PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matches,
+                                            int min_support) {
+  PixelUpdate result;
+  OnePointRansacParameters ransac = ransac_;
+  ransac.min_support = min_support;
+  filter_.set_ransac(ransac);
+  const int used =
+      affordable_matches(matches.size(), frame.work, [&](int n) { return update_work(n); });
+  result.left_out = matches.size() - used;
+  matches.resize(used);
+  if (result.left_out > 0) frame.work.raise_cut(FrameCut::kFewerUpdates);
+  result.status = filter_.update_pixels(camera_, T_vehicle_camera_, sigma_px_, matches.data(),
+                                        matches.size(), frame.random, result.report);
+  frame.work.spend(work::planar_update(3 + 3 * filter_.landmark_count(), matches.size(),
+                                       result.report.hypotheses, result.report.nis_dof / 2));
+  for (PixelMatch<float>& match : matches) {
+    if (!ok(result.status)) match.inlier = false;
+    result.inliers += match.inlier ? 1 : 0;
+  }
+  return result;
+}
+
+template <class Filter>
+void VehicleEstimate<Filter>::constrain_to_floor(FrameContext& frame, TrackedLandmark& landmark) {
+  if (landmark.floor_tested || landmark.from_library) return;
+  if (!(floor_.sigma_m > 0.0F)) return;
+  const int slot = filter_.find(landmark.id);
+  const float variance = filter_.landmark_covariance(slot)(2, 2);
+  if (variance > square(floor_.height_sigma_max_m)) return;
+  const int most = work::height_update(3 + 3 * filter_.landmark_count());
+  if (!frame.work.affords(most)) return;
+  landmark.floor_tested = true;
+  const Status used = filter_.update_height(landmark.id, 0.0F, floor_.sigma_m, floor_.gate);
+  frame.work.spend(ok(used) ? most : work::kProjection);
+}
+
+template <class Filter>
+void VehicleEstimate<Filter>::remove(FrameContext& frame, int slot) {
+  const LandmarkId id = filter_.landmark_id(slot);
+  if (!ok(filter_.remove_landmark(slot))) return;
+  landmarks_.remove(id);
+  ++frame.report.removed;
+  ++frame.health.landmarks_removed;
+}
+
+}  // namespace cairn

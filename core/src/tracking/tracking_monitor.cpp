@@ -1,0 +1,94 @@
+#include "cairn/tracking/tracking_monitor.hpp"
+
+#include "cairn/numeric/math.hpp"
+
+namespace cairn {
+
+bool TrackingMonitor::worth_an_update(const MeasurementCounts& counts) const {
+  const bool returning = weak_frames_ >= 2;
+  const float least = returning ? parameters_.min_return_ratio : parameters_.min_match_ratio;
+  if (static_cast<float>(counts.matches) < least * static_cast<float>(counts.searched)) {
+    return false;
+  }
+  return !returning || counts.matches >= parameters_.min_return_matches;
+}
+
+/// Another place with the same texture (tiles, shelves) can agree with a fifth of the map. Fewer
+/// inliers than half of what the running mean predicts are accepted only when they are nearly all
+/// of the matches.
+int TrackingMonitor::min_support(const MeasurementCounts& counts, int least) const {
+  const float expected = mean_inlier_ratio_ * static_cast<float>(counts.searched);
+  const int of_expected = round_to_int(parameters_.min_mean_ratio * expected);
+  constexpr float kNearlyAll = 0.8F;
+  const int of_matches = round_to_int(kNearlyAll * static_cast<float>(counts.matches));
+  const int nearly_all =
+      of_matches > parameters_.min_inliers ? of_matches : parameters_.min_inliers;
+  const int wanted = of_expected < nearly_all ? of_expected : nearly_all;
+  return wanted > least ? wanted : least;
+}
+
+/// Repeated texture matches anywhere, but at a wrong place few of the matches agree on a pose.
+int TrackingMonitor::min_place_support(int found) const {
+  const int most = (2 * found + 2) / 3;
+  return most > parameters_.min_return_matches ? most : parameters_.min_return_matches;
+}
+
+bool TrackingMonitor::confirms_place(int found, int expected) const {
+  return found >= parameters_.min_return_matches &&
+         static_cast<float>(found) >= parameters_.min_place_ratio * static_cast<float>(expected);
+}
+
+Status TrackingMonitor::judge(const MeasurementCounts& counts, Status status, Health& health) {
+  if (holds(counts)) {
+    weak_frames_ = 0;
+    if (probation_ > 0) --probation_;
+    state_ = probation_ > 0 ? TrackingState::kUncertain : TrackingState::kTracking;
+    update_mean(counts);
+  } else if (state_ != TrackingState::kInitialising) {
+    note_weak_frame(counts.could_search, health);
+  }
+  if (counts.searched > 0 && counts.matches < parameters_.min_inliers) {
+    ++health.low_texture_frames;
+    if (ok(status)) status = Status::kLowTexture;
+  }
+  return state_ == TrackingState::kLost ? Status::kLost : status;
+}
+
+/// A frame that could not search says nothing about the map.
+void TrackingMonitor::note_weak_frame(bool could_search, Health& health) {
+  if (could_search) ++weak_frames_;
+  const bool refuted = probation_ > 0 && could_search;
+  const bool lost = refuted || weak_frames_ > parameters_.uncertain_frames_to_lost;
+  if (lost && state_ != TrackingState::kLost) {
+    ++(probation_ > 0 ? health.false_relocalisations_refused : health.losses);
+    probation_ = 0;
+  }
+  state_ = lost ? TrackingState::kLost : TrackingState::kUncertain;
+}
+
+void TrackingMonitor::begin_probation() {
+  weak_frames_ = 0;
+  probation_ = parameters_.probation_frames;
+  state_ = TrackingState::kUncertain;
+}
+
+void TrackingMonitor::restart() {
+  weak_frames_ = 0;
+  state_ = TrackingState::kInitialising;
+}
+
+void TrackingMonitor::lose() {
+  weak_frames_ = 0;
+  probation_ = 0;
+  state_ = TrackingState::kLost;
+}
+
+void TrackingMonitor::update_mean(const MeasurementCounts& counts) {
+  constexpr float kGain = 0.1F;  // ten frames
+  constexpr int kMinSearched = 8;
+  if (counts.searched < kMinSearched) return;
+  const float ratio = static_cast<float>(counts.inliers) / static_cast<float>(counts.searched);
+  mean_inlier_ratio_ += kGain * (ratio - mean_inlier_ratio_);
+}
+
+}  // namespace cairn

@@ -1,0 +1,165 @@
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cairn/tracking/frame_input.hpp"
+#include "cairn/tracking/frame_work.hpp"
+#include "cairn/tracking/stage_timer.hpp"
+#include "cairn/tracking/start_trial.hpp"
+
+#include "plane_scene.hpp"
+
+namespace cairn {
+namespace {
+
+class InputOfFrames : public ::testing::Test {
+ protected:
+  Status check(std::int64_t t_us, int width = 320) {
+    return input_.check({pixels_.data(), width, 240, 320}, camera_, t_us, health_);
+  }
+
+  const PinholeCamera<float> camera_ = test::to_float(test::small_camera());
+  std::vector<std::uint8_t> pixels_ = std::vector<std::uint8_t>(320 * 240, 90);
+  FrameInput input_;
+  Health health_;
+};
+
+TEST_F(InputOfFrames, AcceptsThemInTheOrderOfTime) {
+  EXPECT_EQ(check(0), Status::kNotInitialised);
+  input_.reset();
+  ASSERT_EQ(check(1000), Status::kOk);
+  EXPECT_EQ(input_.accept(1000), 0) << "nothing before the first";
+  EXPECT_EQ(check(1000), Status::kDuplicate);
+  EXPECT_EQ(check(999), Status::kTimeBackwards);
+  EXPECT_EQ(health_.time_errors, 2U);
+  ASSERT_EQ(check(34000), Status::kOk);
+  EXPECT_EQ(input_.accept(34000), 33000);
+}
+
+TEST_F(InputOfFrames, RefusesAnotherSize) {
+  input_.reset();
+  EXPECT_EQ(check(0, 319), Status::kInvalidArgument);
+  EXPECT_EQ(FrameInput::check_camera(camera_, 320, 240), Status::kOk);
+  EXPECT_EQ(FrameInput::check_camera(camera_, 319, 240), Status::kBadConfig);
+  EXPECT_EQ(FrameInput::check_camera(PinholeCamera<float>{}, 320, 240), Status::kBadConfig);
+}
+
+class WorkOfFrames : public ::testing::Test {
+ protected:
+  WorkOfFrames() { work_.reset(1000, 2); }
+  void end(int deferred = 0) { work_.end(deferred, report_, health_); }
+
+  FrameWork work_;
+  FrameReport report_;
+  Health health_;
+};
+
+TEST_F(WorkOfFrames, ReportsTheLargestCut) {
+  work_.begin(100);
+  work_.raise_cut(FrameCut::kFewerUpdates);
+  work_.cut_mapping();
+  EXPECT_TRUE(work_.take(900));
+  EXPECT_FALSE(work_.take(1));
+  end(3);
+  EXPECT_EQ(report_.cut, FrameCut::kNoMapping);
+  EXPECT_EQ(report_.deferred, 3);
+  EXPECT_EQ(report_.work, 1000);
+  EXPECT_EQ(health_.budget_exceeded, 1U);
+  EXPECT_EQ(health_.searches_deferred, 3U);
+  work_.begin(100);
+  end();
+  EXPECT_EQ(report_.cut, FrameCut::kNone);
+  EXPECT_EQ(health_.budget_exceeded, 1U);
+}
+
+TEST_F(WorkOfFrames, KeepsHalfForAMapThatHasWaited) {
+  work_.begin(0);
+  EXPECT_EQ(work_.for_searches(100, 300), 600);
+  EXPECT_EQ(work_.for_searches(100, 800), 450) << "some searches, some updates";
+  for (int k = 0; k < 2; ++k) {
+    work_.begin(0);
+    work_.cut_mapping();
+    end();
+  }
+  work_.begin(0);
+  EXPECT_EQ(work_.for_searches(100, 100), 300);
+}
+
+TEST_F(WorkOfFrames, KnowsAFrameThatCouldNotSearch) {
+  work_.begin(0);
+  work_.set_search_cut(FrameCut::kPredictionOnly);
+  EXPECT_FALSE(work_.could_search());
+  work_.begin(0);
+  EXPECT_TRUE(work_.could_search());
+}
+
+std::uint32_t next_tick(void* context) {
+  auto& ticks = *static_cast<std::uint32_t*>(context);
+  return ticks += 10;
+}
+
+TEST(StageTimer, AddsUpTheStages) {
+  std::uint32_t ticks = 0xFFFFFFF8U;  // they wrap
+  const TickSource source{&next_tick, &ticks};
+  FrameReport report;
+  StageTimer timer(source, report);
+  timer.end(Stage::kPreprocess);
+  timer.end(Stage::kFeatures);
+  timer.end(Stage::kFeatures);
+  EXPECT_EQ(report.stage_ticks[static_cast<int>(Stage::kPreprocess)], 10U);
+  EXPECT_EQ(report.stage_ticks[static_cast<int>(Stage::kFeatures)], 20U);
+}
+
+/// GIVEN a start on trial for two blocks of three frames.
+class Trial : public ::testing::Test {
+ protected:
+  Trial() {
+    StartTrial::Parameters parameters;
+    parameters.blocks = 2;
+    parameters.block_frames = 3;
+    parameters.max_restarts = 1;
+    parameters.calm_frames = 2;
+    trial_.reset(parameters, 5.0F, 6.0F);
+  }
+  /// Frames with ten matches, of which `inliers` agree with innovations of `nis` together.
+  bool frames(int count, int inliers, float nis) {
+    MeasurementCounts counts;
+    counts.matches = 10;
+    counts.inliers = inliers;
+    counts.nis = nis;
+    bool failed = false;
+    for (int k = 0; k < count; ++k) failed = trial_.fails(counts, 9.0F);
+    return failed;
+  }
+  StartTrial trial_;
+};
+
+TEST_F(Trial, PassesWhereInnovationsAgreeWithTheirCovariance) {
+  EXPECT_FALSE(frames(6, 10, 20.0F));
+  EXPECT_TRUE(trial_.over());
+  EXPECT_FALSE(frames(6, 10, 200.0F)) << "the trial is over";
+}
+
+TEST_F(Trial, FailsAtTheEndOfABlock) {
+  EXPECT_FALSE(frames(2, 10, 40.0F));
+  EXPECT_TRUE(frames(1, 10, 40.0F));
+}
+
+TEST_F(Trial, CountsRefusedMatchesWithTheGate) {
+  EXPECT_FALSE(frames(3, 9, 16.0F)) << "25 of 26";
+  EXPECT_TRUE(frames(3, 8, 16.0F)) << "34 of 26";
+}
+
+TEST_F(Trial, ExpectsCalmMotionAtTheFirstStartAlone) {
+  EXPECT_EQ(trial_.velocity_noise(), StartTrial::Parameters{}.calm_velocity_noise);
+  EXPECT_FALSE(frames(2, 10, 20.0F));
+  EXPECT_EQ(trial_.velocity_noise(), 5.0F);
+  EXPECT_EQ(trial_.rate_noise(), 6.0F);
+  trial_.note_restart();
+  EXPECT_EQ(trial_.rate_noise(), 6.0F);
+  EXPECT_FALSE(frames(3, 10, 100.0F)) << "there is no further restart";
+}
+
+}  // namespace
+}  // namespace cairn

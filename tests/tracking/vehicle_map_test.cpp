@@ -1,0 +1,216 @@
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "cairn/base/config.hpp"
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/tracking/vehicle_map_reuse.hpp"
+
+#include "plane_scene.hpp"
+
+namespace cairn {
+namespace {
+
+using Config = TinyConfig;
+using Filter = GroupIekfSlam<float, Config::kMaxLandmarks, 3>;
+using Estimate = VehicleEstimate<Filter>;
+using LocalMap = VehicleLocalMap<Config, Filter>;
+using Archive = VehicleArchive<Config, Filter>;
+using Map = SharedMap<Config>;
+
+/// GIVEN a vehicle at x = 2 m that looks to its left at nothing in particular, with landmarks in
+/// its filter.
+class MapOfAVehicle : public ::testing::Test {
+ protected:
+  static constexpr int kUnits = 10000;
+
+  MapOfAVehicle() {
+    const Rigid<float> T_vehicle_camera{{0.70710678F, -0.70710678F, 0.0F, 0.0F},
+                                        {0.0F, 0.0F, 1.0F}};
+    PlanarPose<float> pose;
+    pose.position = {2.0F, 0.0F};
+    const Matrix3<float> covariance = 1e-4F * Matrix3<float>::Identity();
+    EXPECT_TRUE(
+        ok(estimate_->initialise(test::to_float(test::small_camera()), T_vehicle_camera, pose,
+                                 covariance, PlanarParameters<float>{}, 0.5F, FloorParameters{})));
+    archive_.reset({}, covariance);
+    work_.reset(kUnits, 8);
+    work_.begin(0);
+  }
+
+  VehicleFrame<Config> frame() {
+    return {{image_, estimate_->camera(), work_, random_, report_, health_}, *map_, *scratch_};
+  }
+  /// A landmark `ahead` m before the vehicle and 2 m to its left, out of view for so many frames.
+  LandmarkId add(float ahead, int out_of_view = 0, int measured = 8) {
+    TrackedLandmark landmark;
+    landmark.id = estimate_->next_id()++;
+    landmark.predicted = measured;
+    landmark.measured = measured;
+    landmark.frames_out_of_view = out_of_view;
+    landmark.appearance.T_world_reference = estimate_->T_world_camera();
+    EXPECT_TRUE(ok(estimate_->filter().add_landmark(landmark.id, {ahead, 2.0F, 1.0F},
+                                                    0.01F * Matrix3<float>::Identity())));
+    EXPECT_TRUE(estimate_->landmarks().add(landmark));
+    return landmark.id;
+  }
+  Archive::Archived archived(LandmarkId id, const Vector3<float>& p_map) const {
+    Archive::Archived landmark;
+    landmark.id = id;
+    landmark.p_map = p_map;
+    landmark.covariance = 1e-4F * Matrix3<float>::Identity();
+    landmark.view_count = 1;
+    landmark.views[0].focal_px = 300.0F;
+    return landmark;
+  }
+
+  std::vector<std::uint8_t> pixels_ = std::vector<std::uint8_t>(320 * 240, 90);
+  ImageView image_{pixels_.data(), 320, 240, 320};
+  std::unique_ptr<Estimate> estimate_ = std::make_unique<Estimate>();
+  Archive archive_;
+  std::unique_ptr<Map> map_ = std::make_unique<Map>();
+  std::unique_ptr<VehicleScratch<Config>> scratch_ = std::make_unique<VehicleScratch<Config>>();
+  FrameWork work_;
+  Random random_;
+  FrameReport report_;
+  Health health_;
+};
+
+TEST_F(MapOfAVehicle, ArchivesInTheFrameOfTheMap) {
+  const LandmarkId id = add(1.0F);
+  auto f = frame();
+  archive_.archive(f, *estimate_, estimate_->filter().find(id), *estimate_->landmarks().find(id));
+  const Map::Message* message = map_->messages.front();
+  ASSERT_NE(message, nullptr);
+  EXPECT_EQ(message->kind, Map::Message::Kind::kStore);
+  EXPECT_EQ(message->landmark.id, id);
+  EXPECT_LT((message->landmark.p_map - Vector3<float>(3.0F, 2.0F, 1.0F)).norm(), 1e-4F);
+  EXPECT_EQ(message->landmark.sightings, 8);
+  EXPECT_LT(message->landmark.covariance(0, 0), 0.011F) << "without the pose's own error";
+  EXPECT_EQ(health_.landmarks_archived, 1U);
+}
+
+TEST_F(MapOfAVehicle, ArchivesAMatureLandmarkOnce) {
+  const LandmarkId id = add(1.0F, 0, 11);
+  TrackedLandmark& landmark = *estimate_->landmarks().find(id);
+  auto f = frame();
+  archive_.archive_mature(f, *estimate_, landmark);
+  EXPECT_EQ(map_->messages.front(), nullptr);
+  landmark.measured = landmark.predicted = 12;
+  archive_.archive_mature(f, *estimate_, landmark);
+  archive_.archive_mature(f, *estimate_, landmark);
+  EXPECT_EQ(health_.landmarks_archived, 1U);
+}
+
+TEST_F(MapOfAVehicle, CountsMessagesForWhichThereIsNoRoom) {
+  auto f = frame();
+  for (int k = 0; k < 100; ++k) archive_.report_found(f, 1);
+  EXPECT_GT(health_.map_messages_dropped, 0U);
+  EXPECT_LT(health_.map_messages_dropped, 100U);
+}
+
+/// THEN it is where the map has it, in the filter's frame, and the alignment takes two ids.
+TEST_F(MapOfAVehicle, ReactivatesALandmarkOfTheLibrary) {
+  archive_.policy().allow_below(100);
+  estimate_->next_id() = 100;
+  auto f = frame();
+  ASSERT_TRUE(archive_.reactivate(f, *estimate_, archived(50, {3.0F, 2.0F, 1.0F})));
+  EXPECT_EQ(estimate_->next_id(), 102U);
+  const int slot = estimate_->filter().find(50);
+  ASSERT_GE(slot, 0);
+  EXPECT_LT((estimate_->filter().mean_landmark(slot) - Vector3<float>(3.0F, 2.0F, 1.0F)).norm(),
+            1e-4F);
+  const TrackedLandmark* landmark = estimate_->landmarks().find(50);
+  ASSERT_NE(landmark, nullptr);
+  EXPECT_TRUE(landmark->from_library);
+  EXPECT_TRUE(landmark->stored);
+  EXPECT_FALSE(landmark->appearance.has_patch);
+  EXPECT_EQ(report_.reentered, 1);
+  EXPECT_FALSE(archive_.reactivate(f, *estimate_, archived(50, {3.0F, 2.0F, 1.0F})))
+      << "it is in the filter already";
+}
+
+TEST_F(MapOfAVehicle, DoesNotReactivateSoonWhatWasNotFound) {
+  archive_.policy().allow_below(100);
+  ASSERT_TRUE(archive_.policy().allows(50));
+  auto f = frame();
+  archive_.report_not_found(f, 50);
+  EXPECT_FALSE(archive_.policy().allows(50));
+  ASSERT_NE(map_->messages.front(), nullptr);
+  EXPECT_EQ(map_->messages.front()->kind, Map::Message::Kind::kNotFound);
+}
+
+TEST_F(MapOfAVehicle, MakesRoomWhereLandmarksAreLongestOutOfView) {
+  LocalMap local_map;
+  local_map.reset({}, SearchParameters{});
+  const LandmarkId oldest = add(-2.0F, 90);
+  const LandmarkId seen_little = add(-1.0F, 40, 3);
+  for (int k = 2; k < Config::kMaxLandmarks; ++k) add(1.0F + 0.1F * static_cast<float>(k), k);
+  auto f = frame();
+  local_map.make_room(f, *estimate_, archive_, 2, 8);
+  EXPECT_EQ(estimate_->size(), Config::kMaxLandmarks - 2);
+  EXPECT_EQ(estimate_->filter().find(oldest), -1);
+  EXPECT_EQ(estimate_->landmarks().find(oldest), nullptr);
+  EXPECT_EQ(estimate_->filter().find(seen_little), -1);
+  EXPECT_EQ(report_.removed, 2);
+  EXPECT_EQ(health_.landmarks_archived, 1U) << "the other was seen too rarely";
+}
+
+TEST_F(MapOfAVehicle, RemovesWhatIsRarelyFound) {
+  LocalMap local_map;
+  local_map.reset({}, SearchParameters{});
+  const LandmarkId good = add(1.0F);
+  const LandmarkId poor = add(1.5F);
+  estimate_->landmarks().find(poor)->measured = 3;
+  const LandmarkId library = add(2.0F);
+  TrackedLandmark& unseen = *estimate_->landmarks().find(library);
+  unseen.from_library = true;
+  unseen.measured = 0;
+  unseen.predicted = 4;
+  auto f = frame();
+  local_map.remove_unreliable(f, *estimate_, archive_);
+  EXPECT_EQ(estimate_->size(), 1);
+  EXPECT_GE(estimate_->filter().find(good), 0);
+  EXPECT_FALSE(archive_.policy().allows(library));
+}
+
+TEST_F(MapOfAVehicle, RemovesNothingThatTheFrameCannotPayFor) {
+  LocalMap local_map;
+  local_map.reset({}, SearchParameters{});
+  const LandmarkId poor = add(1.5F);
+  estimate_->landmarks().find(poor)->measured = 3;
+  work_.spend(kUnits);
+  auto f = frame();
+  local_map.remove_unreliable(f, *estimate_, archive_);
+  EXPECT_EQ(estimate_->size(), 1);
+}
+
+/// A landmark on the floor whose height is known well enough is held there.
+TEST_F(MapOfAVehicle, UsesALandmarkOnTheFloorOnce) {
+  TrackedLandmark landmark;
+  landmark.id = estimate_->next_id()++;
+  ASSERT_TRUE(ok(estimate_->filter().add_landmark(landmark.id, {1.0F, 2.0F, 0.05F},
+                                                  0.0036F * Matrix3<float>::Identity())));
+  const int slot = estimate_->filter().find(landmark.id);
+  auto f = frame();
+  estimate_->constrain_to_floor(f, landmark);
+  EXPECT_TRUE(landmark.floor_tested);
+  EXPECT_LT(estimate_->filter().mean_landmark(slot).z(), 0.01F);
+  const float height = estimate_->filter().mean_landmark(slot).z();
+  estimate_->constrain_to_floor(f, landmark);
+  EXPECT_EQ(estimate_->filter().mean_landmark(slot).z(), height);
+}
+
+TEST_F(MapOfAVehicle, DoesNotTestAnUncertainHeight) {
+  TrackedLandmark landmark;
+  landmark.id = estimate_->next_id()++;
+  ASSERT_TRUE(ok(estimate_->filter().add_landmark(landmark.id, {1.0F, 2.0F, 0.05F},
+                                                  0.01F * Matrix3<float>::Identity())));
+  auto f = frame();
+  estimate_->constrain_to_floor(f, landmark);
+  EXPECT_FALSE(landmark.floor_tested);
+}
+
+}  // namespace
+}  // namespace cairn
