@@ -126,7 +126,7 @@ OdometryIntegrator::Motion OdometryIntegrator::motion_over(const OdometrySample&
 float OdometryIntegrator::sigma_speed(float scale) const {
   constexpr float kFarInSigmas = 3.0F;
   const float off = abs(motion_.speed_mps - steady_.speed()) / kFarInSigmas;
-  return larger(scale * larger(noise_.sigma_speed_mps, off), slip_mps_);
+  return larger(larger(scale * noise_.sigma_speed_mps, off), slip_mps_);
 }
 
 PlanarIncrement<float> OdometryIntegrator::increment_over(float dt_s) const {
