@@ -41,7 +41,7 @@ class HandheldWithoutSight : public ::testing::Test {
 
   static Handheld::Parameters parameters() {
     Handheld::Parameters p;
-    p.start_blocks = 3;  // a shorter start: what follows is about the library
+    p.start.blocks = 3;  // a shorter start: what follows is about the library
     return p;
   }
 
@@ -52,7 +52,7 @@ class HandheldWithoutSight : public ::testing::Test {
       if (k == kAgain) then_ = report_.T_world_camera;
     }
     EXPECT_EQ(report_.state, TrackingState::kTracking);
-    EXPECT_GE(tracker_->library().size(), parameters().min_known);
+    EXPECT_GE(tracker_->library().size(), parameters().map_reuse.min_library);
   }
 
   void step(const Image& image) {
