@@ -10,6 +10,7 @@
 #include <opencv2/videoio.hpp>
 
 #include "host_sim/io/camera_file.hpp"
+#include "host_sim/io/csv_units.hpp"
 #include "host_sim/io/image_file.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/pose_file.hpp"
@@ -26,24 +27,20 @@ constexpr double kYawRateSigma = 0.05;  // rad/s
 constexpr double kSteeringSigma = 0.087;
 constexpr std::int64_t kTruthTolerance_us = 20000;
 
-std::int64_t time_of_row(const CsvTable& table, std::size_t row) {
-  if (table.has("t_us")) return std::llround(table.number(row, table.column("t_us")));
-  return std::llround(1e6 * table.number(row, table.column("t_s")));
-}
-
-std::map<int, std::int64_t> read_times(const fs::path& path) {
-  std::map<int, std::int64_t> times;
+std::map<std::int64_t, std::int64_t> read_times(const fs::path& path) {
+  std::map<std::int64_t, std::int64_t> times;
   if (path.empty()) return times;
-  const CsvTable table(path);
-  const std::size_t frame = table.column("frame");
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    const std::int64_t t_us = time_of_row(table, row);
+  CsvReader csv(path);
+  const std::size_t frame = csv.column("frame");
+  const TimeColumn time(csv);
+  while (csv.next()) {
+    const std::int64_t t_us = time.t_us(csv);
     if (!times.empty() && t_us <= times.rbegin()->second) {
-      throw InputError(path, table.line(row), "expected times in increasing order");
+      throw InputError(path, csv.line(), "expected times in increasing order");
     }
-    const int number = table.integer(row, frame);
+    const std::int64_t number = csv.integer(frame);
     if (!times.empty() && number <= times.rbegin()->first) {
-      throw InputError(path, table.line(row), "expected frame numbers in increasing order");
+      throw InputError(path, csv.line(), "expected frame numbers in increasing order");
     }
     times[number] = t_us;
   }
@@ -56,32 +53,33 @@ struct Odometry {
 };
 
 Odometry read_odometry(const fs::path& path) {
-  const CsvTable table(path);
+  CsvReader csv(path);
   Odometry odometry;
-  const bool twist = table.has("yaw_rate_radps");
-  const std::size_t speed = table.column("speed_mps");
-  const std::size_t turn = table.column(twist ? "yaw_rate_radps" : "steering_rad");
+  const bool twist = has_quantity(csv, kYawRate);
+  const TimeColumn time(csv);
+  const QuantityColumn speed = find_quantity(csv, kSpeed);
+  const QuantityColumn turn = find_quantity(csv, twist ? kYawRate : kSteering);
   odometry.model.kind = twist ? OdometrySample::Kind::kTwist : OdometrySample::Kind::kAckermann;
   odometry.model.speed_sigma_mps = kSpeedSigma;
   odometry.model.turn_sigma = twist ? kYawRateSigma : kSteeringSigma;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
+  while (csv.next()) {
     OdometrySample sample;
-    sample.t_us = time_of_row(table, row);
+    sample.t_us = time.t_us(csv);
     sample.kind = odometry.model.kind;
-    sample.speed_mps = static_cast<float>(table.number(row, speed));
-    sample.turn = static_cast<float>(table.number(row, turn));
+    sample.speed_mps = static_cast<float>(speed.value(csv));
+    sample.turn = static_cast<float>(turn.value(csv));
     if (!odometry.samples.empty() && sample.t_us <= odometry.samples.back().t_us) {
-      throw InputError(path, table.line(row), "expected times in increasing order");
+      throw InputError(path, csv.line(), "expected times in increasing order");
+    }
+    if (!twist && odometry.samples.empty()) {
+      odometry.model.wheelbase_m = find_quantity(csv, kWheelbase).value(csv);
+      if (!(odometry.model.wheelbase_m > 0.0)) {
+        throw InputError(path, csv.line(), "wheelbase_m: expected a length above zero");
+      }
     }
     odometry.samples.push_back(sample);
   }
   if (odometry.samples.size() < 2) throw InputError(path, "expected two or more odometry rows");
-  if (!twist) {
-    odometry.model.wheelbase_m = table.number(0, table.column("wheelbase_m"));
-    if (!(odometry.model.wheelbase_m > 0.0)) {
-      throw InputError(path, table.line(0), "wheelbase_m: expected a length above zero");
-    }
-  }
   const auto span =
       static_cast<double>(odometry.samples.back().t_us - odometry.samples.front().t_us);
   odometry.model.period_s = 1e-6 * span / static_cast<double>(odometry.samples.size() - 1);
@@ -243,7 +241,7 @@ class VideoSource final : public FrameSource {
 
   VideoOptions options_;
   Media media_;
-  std::map<int, std::int64_t> times_;
+  std::map<std::int64_t, std::int64_t> times_;
   Odometry odometry_;
   std::vector<TimedPose> truth_;
   SourceInfo info_;
