@@ -6,8 +6,8 @@
 
 #include "host_sim/io/camera_file.hpp"
 #include "host_sim/io/csv_file.hpp"
-#include "host_sim/io/image_file.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/picture_folder.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
