@@ -14,6 +14,7 @@
 
 #include "cairn/numeric/math.hpp"
 
+#include "host_sim/commands/option_checks.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/planar/experiment_files.hpp"
 #include "host_sim/planar/filter.hpp"
@@ -152,7 +153,9 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
   command.add_option("--filters", options.filters, "Filters, separated by commas")
       ->delimiter(',')
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "Seed of every run")->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of every run")
+      ->check(seed_number())
+      ->capture_default_str();
   command.add_option("--threads", options.threads, "Threads, 0: all; never changes the result")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();

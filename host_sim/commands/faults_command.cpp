@@ -14,6 +14,7 @@
 #include <fmt/os.h>
 #include <nlohmann/json.hpp>
 
+#include "host_sim/commands/option_checks.hpp"
 #include "host_sim/faults/cut.hpp"
 #include "host_sim/faults/kidnap.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -232,10 +233,11 @@ void register_faults_command(CommandContext& context) {
       ->delimiter(',')
       ->check(CLI::Range(1, 2000));
   command->add_option("--first-frame", options->kidnap.first_frame, "Earliest start of a trial")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command->add_option("--last-frame", options->kidnap.last_frame, "Latest start of a trial")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--seed", options->kidnap.seed, "Seed of the hall and of the trials");
+      ->check(not_negative());
+  command->add_option("--seed", options->kidnap.seed, "Seed of the hall and of the trials")
+      ->check(seed_number());
   command->add_option("--out", options->out, "Folder of the results")->required();
   command->callback([options, &context] {
     context.exit_code = options->source.empty() ? run_kidnapped(*options, context.command_line)

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
 #include "host_sim/commands/run_options.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -22,7 +23,7 @@ void add_handheld_options(CLI::App& command, HandheldOptions& options) {
                   "Handheld: least FAST score of a new landmark")
       ->check(CLI::Range(1, 255));
   command.add_option("--sigma-px", options.sigma_px, "Handheld: standard deviation of a pixel")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command
       .add_option("--focal-error", options.focal_error,
                   "Handheld: make the tracker's focal length wrong by this share")
@@ -40,16 +41,18 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember({"group-iekf", "lifted-iekf", "ekf", "mono"}));
   command.add_option("--fading", options.fading, "Fading factor S >= 1 of mono, or 'adaptive'");
   command.add_option("--budget-ms", options.budget_ms, "Time budget of a frame, ms")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
-  command.add_option("--seed", options.seed, "Seed of everything random")->capture_default_str();
+  command.add_option("--seed", options.seed, "Seed of everything random")
+      ->check(seed_number())
+      ->capture_default_str();
   command.add_option("--first-frame", options.first_frame, "Number of the first frame to use");
   command.add_option("--max-frames", options.max_frames, "Stop after this many frames")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   command
       .add_option("--work-limit", options.work_limit,
                   "Work of a frame, in units of 1000 instructions on a Cortex-M7")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command.add_option("--record", options.record,
                      "Also write the run's input log, for replay on host and board");
   command.add_option("--overlay", options.overlay, "How virtual objects are drawn into the video")
@@ -61,11 +64,11 @@ void add_options(CLI::App& command, RunOptions& options) {
   command
       .add_option("--start-heading-variance", options.start_heading_variance,
                   "Variance of the start heading, rad^2; the start error is drawn from it")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command
       .add_option("--start-position-variance", options.start_position_variance,
                   "Variance of the start position, m^2; the start error is drawn from it")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command
       .add_option(
           "--profile", options.profile,
@@ -74,6 +77,10 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember({"plain", "stated", "calibrated"}))
       ->capture_default_str();
   add_handheld_options(command, options.handheld);
+  command
+      .add_option("--scale", options.scale,
+                  "Scale pictures and calibration by this factor; by default as far as needed")
+      ->check(CLI::Range(0.01, 1.0));
   command.add_option("--camera", options.camera, "Camera file of a video source");
   command.add_option("--odometry", options.odometry, "Odometry of a video source (CSV)");
   command.add_option("--times", options.times, "Frame times of a video source (CSV)");
@@ -98,12 +105,13 @@ void register_run_command(CommandContext& context) {
       context.app.add_subcommand("run", "Track a source and report every frame's latency");
   const auto options = std::make_shared<RunOptions>();
   add_options(*command, *options);
-  command->callback([&context, options] {
+  command->callback([&context, command, options] {
     check_fading(options->fading);
     if (!options->record.empty() && !options->handheld.is_default()) {
       throw UsageError("--record: an input log replays the tracker's own settings");
     }
     options->command_line = context.command_line;
+    options->given = given_options(*command);
     context.exit_code = dispatch_run(*options);
   });
 }

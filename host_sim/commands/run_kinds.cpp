@@ -1,5 +1,7 @@
 #include "host_sim/commands/run_kinds.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "host_sim/io/input_error.hpp"
@@ -9,20 +11,73 @@
 
 namespace cairn::host {
 
+namespace {
+
+using Names = std::vector<std::string>;
+
+Names joined(const Names& a, const Names& b) {
+  Names all = a;
+  all.insert(all.end(), b.begin(), b.end());
+  return all;
+}
+
+const Names& picture_options() {
+  static const Names names = {"--first-frame",
+                              "--work-limit",
+                              "--record",
+                              "--overlay",
+                              "--scale",
+                              "--budget-ms",
+                              "--start-heading-variance",
+                              "--start-position-variance",
+                              "--measurement",
+                              "--corner-score",
+                              "--sigma-px",
+                              "--focal-error",
+                              "--estimate-focal-length"};
+  return names;
+}
+
+/// Refuses options that other kinds use and this one would ignore.
+void check_options(const RunKind& kind, const Names& given) {
+  const auto uses = [](const RunKind& any, const std::string& option) {
+    return std::find(any.options.begin(), any.options.end(), option) != any.options.end();
+  };
+  for (const std::string& option : given) {
+    const bool of_kinds = std::any_of(run_kinds().begin(), run_kinds().end(),
+                                      [&](const RunKind& any) { return uses(any, option); });
+    if (of_kinds && !uses(kind, option)) {
+      throw UsageError(fmt::format("{}: source '{}' does not use it", option, kind.name));
+    }
+  }
+}
+
+}  // namespace
+
 const std::vector<RunKind>& run_kinds() {
+  static const Names hall = joined(picture_options(), {"--odometry-noise"});
+  static const Names stress(picture_options().begin() + 1, picture_options().end());
+  static const Names video =
+      joined(picture_options(), {"--camera", "--odometry", "--times", "--truth"});
+  static const Names landmarks = {"--budget-ms", "--start-heading-variance",
+                                  "--start-position-variance"};
   static const std::vector<RunKind> kinds = {
-      {"hall", "", run_hall},
-      {"hall-small", "", run_hall_small},
-      {"stress", "FIELDS", run_stress},
-      {"seven-scenes", "DIR", run_seven_scenes},
-      {"tag-board", "DIR", run_tag_board},
-      {"kitti", "DIR", run_kitti},
-      {"tum-rgbd", "DIR", run_tum_rgbd},
-      {"video", "FILE_OR_FOLDER", run_video},
-      {"lost-in-the-woods", "DIR", run_lost_in_the_woods, false},
-      {"mrclam", "DIR:ROBOT", run_mrclam, false},
-      {"victoria-park", "DIR", run_victoria_park, false},
-      {"starry-night", "DIR", run_starry_night, false},
+      {"hall", "", run_hall, hall},
+      {"hall-small", "", run_hall_small, hall},
+      {"stress", "FIELDS", run_stress, stress},
+      {"seven-scenes", "DIR", run_seven_scenes, picture_options()},
+      {"tag-board", "DIR", run_tag_board, picture_options()},
+      {"kitti", "DIR", run_kitti, picture_options()},
+      {"tum-rgbd", "DIR", run_tum_rgbd, joined(picture_options(), {"--camera"})},
+      {"video", "FILE_OR_FOLDER", run_video, video},
+      {"lost-in-the-woods", "DIR", run_lost_in_the_woods, joined(landmarks, {"--profile"}), false},
+      {"mrclam", "DIR:ROBOT", run_mrclam, joined(landmarks, {"--profile"}), false},
+      {"victoria-park", "DIR", run_victoria_park, landmarks, false},
+      {"starry-night",
+       "DIR",
+       run_starry_night,
+       {"--sigma-px", "--focal-error", "--estimate-focal-length"},
+       false},
   };
   return kinds;
 }
@@ -39,6 +94,7 @@ ExitCode dispatch_run(const RunOptions& options) {
     if (options.timing.has_value() && !kind.gives_pictures) {
       throw UsageError(fmt::format("source '{}' gives no pictures to time", options.source));
     }
+    check_options(kind, options.given);
     return kind.run(options, has_rest ? options.source.substr(name.size() + 1) : std::string());
   }
   std::string known;

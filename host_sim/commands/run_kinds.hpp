@@ -14,10 +14,12 @@ struct RunKind {
   std::string name;
   std::string argument;
   ExitCode (*run)(const RunOptions& options, const std::string& argument);
+  std::vector<std::string> options;  ///< that it uses and not every kind does
   bool gives_pictures = true;
 };
 
-/// Runs `options.source` as its kind does. UsageError for an unknown kind or a wrong argument.
+/// Runs `options.source` as its kind does. UsageError for an unknown kind, a wrong argument, and an
+/// option that the kind would ignore.
 ExitCode dispatch_run(const RunOptions& options);
 
 /// Every kind of source: the list in run_kinds.cpp.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host_sim/run/handheld_options.hpp"
 
@@ -40,6 +41,8 @@ struct RunOptions {
   std::filesystem::path odometry;
   std::filesystem::path times;
   std::filesystem::path truth;
+  std::optional<double> scale;          ///< of the pictures; empty: as far as the tracker needs
+  std::vector<std::string> given;       ///< names of the options on the command line
   std::optional<TimingOptions> timing;  ///< time the frames instead of evaluating the run
 };
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
 #include "host_sim/commands/run_options.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -84,25 +85,29 @@ void register_timing_command(CommandContext& context) {
       ->check(CLI::IsMember({"group-iekf", "lifted-iekf", "ekf", "mono"}));
   command->add_option("--first-frame", run_options.first_frame, "Number of the first frame to use");
   command->add_option("--max-frames", run_options.max_frames, "Stop after this many frames")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--seed", run_options.seed, "Seed of everything random");
+      ->check(above_zero());
+  command->add_option("--seed", run_options.seed, "Seed of everything random")
+      ->check(seed_number());
   command->add_option("--camera", run_options.camera, "Camera file of a video source");
   command->add_option("--odometry", run_options.odometry, "Odometry of a video source (CSV)");
   command->add_option("--times", run_options.times, "Frame times of a video source (CSV)");
+  command->add_option("--scale", run_options.scale, "Scale pictures and calibration by this factor")
+      ->check(CLI::Range(0.01, 1.0));
   command->add_option("--budget-ms", run_options.budget_ms, "Time budget of a frame, ms")
-      ->check(CLI::PositiveNumber)
+      ->check(above_zero())
       ->capture_default_str();
   command
       ->add_option("--counted-frames", arguments->timing.counted_frames,
                    "First frames whose instructions are counted (valgrind); 0: none")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command
       ->add_option("--p99-below", arguments->timing.p99_below_ms,
                    "End with 1 when the 99th percentile of the time on the core is above this, ms")
-      ->check(CLI::PositiveNumber);
-  command->callback([&context, arguments] {
+      ->check(above_zero());
+  command->callback([&context, command, arguments] {
     arguments->run.command_line = context.command_line;
+    arguments->run.given = given_options(*command);
     context.exit_code = run(*arguments);
   });
 }

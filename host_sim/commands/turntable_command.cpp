@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host_sim/commands/option_checks.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/mono/rendered_turntable.hpp"
 #include "host_sim/mono/turntable_files.hpp"
@@ -108,7 +109,7 @@ void register_turntable_command(CommandContext& context) {
       ->delimiter(',');
   command->add_option("--condition", options->condition,
                       "Only conditions with this in their name, such as 'outliers'");
-  command->add_option("--seed", options->seed, "First seed");
+  command->add_option("--seed", options->seed, "First seed")->check(seed_number());
   command->add_option("--seeds", options->seeds, "Number of seeds (default 1, with --points 20)")
       ->check(CLI::Range(1, 10000));
   command->add_flag("--points", options->points, "Simulate points alone instead of rendered video");

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host_sim/commands/option_checks.hpp"
 #include "host_sim/run/build_info.hpp"
 #include "host_sim/vision/describe_image.hpp"
 
@@ -60,7 +61,7 @@ void register_vision_command(CommandContext& context) {
       ->add_option("--descriptors", options->descriptors,
                    "Describe this many of the strongest corners, and those equal in score to the "
                    "last; 0: all")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_option("--out", options->out, "Folder for the results")->required();
   command->callback([&context, options] { run(*options, context.command_line); });

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
@@ -12,13 +13,22 @@ struct CameraFile {
   PinholeCamera<double> camera;
   /// Key `T_vehicle_camera` (16 numbers, row by row), where given.
   std::optional<Rigid<double>> T_vehicle_camera;
+  std::string format;  ///< which format it was read as
 };
 
-/// Reads a camera calibration in one of these dialects, told apart by their keys: OpenCV
-/// (%YAML:1.0, `camera_matrix`), ROS camera_info, Kalibr (`cam0: intrinsics`), ORB-SLAM
-/// (`Camera.fx`), plain (`fx`), Open EKF Mono SLAM (`CameraCalibration`), and ViSP JSON (`px`).
-/// Throws InputError naming the key that is missing or wrong. docs/reference/camera-file.md shows
-/// each.
+/// Reads a pinhole calibration with radial-tangential distortion in one of these formats, told
+/// apart by their keys: OpenCV (YAML, XML, JSON), ROS camera_info, Kalibr, EuRoC, ORB-SLAM2 and 3,
+/// VINS, basalt, COLMAP's cameras.txt, plain (`fx`), Open EKF Mono SLAM and ViSP JSON.
+/// docs/reference/camera-file.md shows each.
+///
+/// Throws InputError naming the key that is missing or wrong, for any other lens model and for
+/// every coefficient that the core's camera has no place for, and for a camera that
+/// check_camera() refuses.
 CameraFile read_camera_file(const std::filesystem::path& path);
+
+/// Refuses a camera that cannot be meant: a focal length below a tenth or above a hundred times the
+/// longer side, a principal point outside the image, tangential coefficients above 0.03, or a
+/// distortion that folds inside the image (naming the pixel without a ray). Throws InputError.
+void check_camera(const PinholeCamera<double>& camera, const std::filesystem::path& path);
 
 }  // namespace cairn::host

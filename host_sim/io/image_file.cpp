@@ -1,10 +1,8 @@
 #include "host_sim/io/image_file.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cstring>
+#include <array>
 #include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -15,89 +13,120 @@
 namespace cairn::host {
 namespace {
 
-constexpr std::size_t kTrailerBytes = 1024;
+namespace fs = std::filesystem;
 
-bool has_in_tail(const std::vector<char>& bytes, const char* mark, std::size_t length) {
-  const std::size_t tail = std::min(bytes.size(), kTrailerBytes);
-  return std::search(bytes.end() - static_cast<std::ptrdiff_t>(tail), bytes.end(), mark,
-                     mark + length) != bytes.end();
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
+constexpr std::size_t kHeaderBytes = std::size_t{1} << 18;
+constexpr double kShareBeyondLevels = 1e-4;
+constexpr const char* kExpected = "expected an image (PNG, JPEG, PGM, PPM or BMP) that decodes";
+
+std::string read_bytes(const fs::path& path, std::size_t most) {
+  require_file(path, "an image");
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) throw InputError(path, "cannot be read");
+  if (size == 0) throw InputError(path, "expected an image, found an empty file");
+  if (size > kLargestFile) {
+    throw InputError(path, fmt::format("expected an image of at most {} bytes", kLargestFile));
+  }
+  std::string bytes(std::min<std::size_t>(most, size), '\0');
+  std::ifstream file(path, std::ios::binary);
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
+    throw InputError(path, "cannot be read");
+  }
+  return bytes;
 }
 
-/// OpenCV decodes a JPEG that was cut short and fills the rest with grey; the end mark tells.
-bool is_cut_short(const std::vector<char>& bytes) {
-  if (bytes.size() > 2 && std::memcmp(bytes.data(), "\xFF\xD8", 2) == 0) {
-    return !has_in_tail(bytes, "\xFF\xD9", 2);
+PictureHeader checked_header(const fs::path& path, std::string_view bytes) {
+  const std::optional<PictureHeader> header = read_picture_header(bytes);
+  if (!header.has_value()) throw InputError(path, kExpected);
+  if (header->width < 1 || header->height < 1 ||
+      std::int64_t{header->width} * header->height > kMostPixels) {
+    throw InputError(path, fmt::format("expected an image of 1 to {} pixels, found {}x{}",
+                                       kMostPixels, header->width, header->height));
   }
-  if (bytes.size() > 8 && std::memcmp(bytes.data(), "\x89PNG", 4) == 0) {
-    return !has_in_tail(bytes, "IEND", 4);
+  if (header->bits < 16 && header->brightest < 255) {
+    throw InputError(
+        path, fmt::format("expected grey levels up to 255, found up to {}", header->brightest));
   }
-  return false;
+  return *header;
 }
 
-std::optional<int> number_in(const std::string& name, const std::optional<std::string>& prefix,
-                             const std::string& suffix) {
-  if (name.size() <= suffix.size() ||
-      name.compare(name.size() - suffix.size(), suffix.size(), suffix) != 0) {
-    return std::nullopt;
+[[noreturn]] void refuse_size(const fs::path& path, const cv::Size& size, int width, int height) {
+  throw InputError(path, fmt::format("expected {}x{} pixels as the camera has, found {}x{}",
+                                     size.width, size.height, width, height));
+}
+
+cv::Mat decode(const fs::path& path, const cv::Size& size, bool any_depth) {
+  const std::string bytes = read_bytes(path, kLargestFile);
+  const PictureHeader header = checked_header(path, bytes);
+  if (!header.whole) throw InputError(path, "expected a whole image; the file is cut short");
+  // A JPEG may be turned by a quarter when it is decoded.
+  if (!size.empty() && size != cv::Size(header.width, header.height) &&
+      size != cv::Size(header.height, header.width)) {
+    refuse_size(path, size, header.width, header.height);
   }
-  const std::string stem = name.substr(0, name.size() - suffix.size());
-  const std::size_t digits = stem.find_last_not_of("0123456789") + 1;  // npos + 1 = 0
-  if (prefix.has_value() && stem.substr(0, digits) != *prefix) return std::nullopt;
-  int number = 0;
-  const char* end = stem.data() + stem.size();
-  const auto parsed = std::from_chars(stem.data() + digits, end, number);
-  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
-  return number;
+  if (header.bits == 16 && !any_depth) {
+    throw InputError(path, "expected 8 bits a pixel, found 16: convert the pictures");
+  }
+  cv::Mat picture;
+  try {
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
+                          const_cast<char*>(bytes.data()));
+    picture = cv::imdecode(
+        encoded, any_depth ? cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH : cv::IMREAD_GRAYSCALE);
+  } catch (const cv::Exception&) {
+    picture.release();
+  }
+  if (picture.empty()) throw InputError(path, kExpected);
+  if (!size.empty() && picture.size() != size) refuse_size(path, size, picture.cols, picture.rows);
+  return picture;
 }
 
 }  // namespace
 
-void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv::Mat& grey) {
-  require_file(path, "an image");
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file && !file.eof()) throw InputError(path, "cannot be read");
-  if (bytes.empty()) throw InputError(path, "expected an image, found an empty file");
-  if (is_cut_short(bytes)) {
-    throw InputError(path, "expected a whole image; the file is cut short");
+void read_grey_image(const fs::path& path, const cv::Size& size, cv::Mat& grey,
+                     const std::optional<GreyLevels>& levels) {
+  const cv::Mat picture = decode(path, size, levels.has_value());
+  if (picture.depth() == CV_8U) {
+    grey = picture;
+    return;
   }
-  try {
-    grey = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {
-    grey.release();
-  }
-  if (grey.empty()) throw InputError(path, "expected an image (PNG, JPEG, PGM, ...) that decodes");
-  if (!size.empty() && grey.size() != size) {
-    throw InputError(path, fmt::format("expected {}x{} pixels as the camera has, found {}x{}",
-                                       size.width, size.height, grey.cols, grey.rows));
-  }
+  const double scale = 255.0 / std::max(1, levels->white - levels->black);
+  picture.convertTo(grey, CV_8U, scale, -scale * levels->black);
 }
 
-std::vector<NumberedFile> list_numbered_files(const std::filesystem::path& folder,
-                                              const std::optional<std::string>& prefix,
-                                              const std::vector<std::string>& suffixes) {
-  require_folder(folder, "a folder of images");
-  std::vector<NumberedFile> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string name = entry.path().filename().string();
-    for (const std::string& suffix : suffixes) {
-      const std::optional<int> number = number_in(name, prefix, suffix);
-      if (number.has_value()) files.push_back({*number, entry.path()});
+PictureHeader read_picture_header_of(const fs::path& path) {
+  const std::string beginning = read_bytes(path, kHeaderBytes);
+  if (read_picture_header(beginning).has_value()) return checked_header(path, beginning);
+  return checked_header(path, read_bytes(path, kLargestFile));
+}
+
+GreyLevels find_grey_levels(const std::vector<fs::path>& pictures) {
+  std::vector<std::uint64_t> histogram(65536, 0);
+  std::uint64_t pixels = 0;
+  for (const fs::path& path : pictures) {
+    const cv::Mat picture = decode(path, {}, true);
+    if (picture.depth() != CV_16U) throw InputError(path, "expected 16 bits a pixel as before it");
+    for (int y = 0; y < picture.rows; ++y) {
+      const auto* row = picture.ptr<std::uint16_t>(y);
+      for (int x = 0; x < picture.cols; ++x) ++histogram[row[x]];
     }
+    pixels += picture.total();
   }
-  if (files.empty()) {
-    throw InputError(folder, fmt::format("expected images named {}NUMBER{}", prefix.value_or(""),
-                                         fmt::join(suffixes, " or ")));
+  const auto beyond = static_cast<std::uint64_t>(kShareBeyondLevels * static_cast<double>(pixels));
+  GreyLevels levels;
+  std::uint64_t below = 0;
+  while (levels.black < 65535 &&
+         (below += histogram[static_cast<std::size_t>(levels.black)]) <= beyond) {
+    ++levels.black;
   }
-  std::sort(files.begin(), files.end(), [](const NumberedFile& a, const NumberedFile& b) {
-    return a.number < b.number || (a.number == b.number && a.path < b.path);
-  });
-  for (std::size_t i = 1; i < files.size(); ++i) {
-    if (files[i].number == files[i - 1].number) {
-      throw InputError(files[i].path, "expected one image for each number, found a second one");
-    }
+  std::uint64_t above = 0;
+  while (levels.white > levels.black &&
+         (above += histogram[static_cast<std::size_t>(levels.white)]) <= beyond) {
+    --levels.white;
   }
-  return files;
+  return levels;
 }
 
 }  // namespace cairn::host

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -7,23 +8,32 @@
 
 #include <opencv2/core.hpp>
 
+#include "host_sim/io/picture_header.hpp"
+
 namespace cairn::host {
 
-/// Reads a picture as 8-bit grey (as OpenCV's IMREAD_GRAYSCALE does). Throws InputError when it
-/// cannot be read, is cut short, or is not of `size` (an empty size takes any).
-void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv::Mat& grey);
+/// Most pixels that a picture may have; one that has more is refused before it is decoded.
+inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 27;
 
-/// A file of a numbered sequence.
-struct NumberedFile {
-  int number = 0;
-  std::filesystem::path path;
+/// Which values of 16-bit pictures are shown as black and white.
+struct GreyLevels {
+  int black = 0;
+  int white = 65535;
 };
 
-/// Files in `folder` whose name is `prefix` (any, when there is none given), digits and one of
-/// `suffixes`, by number. Numbers may start anywhere and have gaps. Throws InputError when there is
-/// no such file.
-std::vector<NumberedFile> list_numbered_files(const std::filesystem::path& folder,
-                                              const std::optional<std::string>& prefix,
-                                              const std::vector<std::string>& suffixes);
+/// Reads a picture (PNG, JPEG, PGM, PPM, BMP) as 8-bit grey, as OpenCV's IMREAD_GRAYSCALE does; one
+/// of 16 bits is mapped by `levels`. Bytes behind the picture's end are left alone. Throws
+/// InputError when it cannot be read, is cut short, has 16 bits and there are no `levels`, or is
+/// not of `size` (an empty size takes any).
+void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv::Mat& grey,
+                     const std::optional<GreyLevels>& levels = std::nullopt);
+
+/// The header of a picture file. Throws InputError where it is no picture that is read.
+PictureHeader read_picture_header_of(const std::filesystem::path& path);
+
+/// Levels for a sequence of 16-bit pictures, whatever number of bits they really use: all but one
+/// in ten thousand of their pixels at each end lie between them. Reads every picture. Throws
+/// InputError as read_grey_image().
+GreyLevels find_grey_levels(const std::vector<std::filesystem::path>& pictures);
 
 }  // namespace cairn::host

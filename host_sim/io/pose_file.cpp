@@ -40,18 +40,26 @@ bool to_rotation(const Matrix3<double>& matrix, Quaternion<double>& rotation) {
 
 std::vector<TimedPose> read_tum(const std::filesystem::path& path) {
   std::vector<TimedPose> poses;
-  for (const TextLine& line : read_lines(path)) {
+  LineReader lines(path);
+  for (TextLine line; lines.next(line);) {
     const std::vector<double> v = parse_numbers(line, 8, path, kTumFields);
     TimedPose timed;
-    timed.t_us = std::llround(1e6 * v[0]);
+    timed.t_us = parse_time_us(v[0], 1e6, path, line.number);
     timed.pose.translation = {v[1], v[2], v[3]};
     timed.pose.rotation = Quaternion<double>(v[7], v[4], v[5], v[6]);
-    if (std::abs(timed.pose.rotation.norm() - 1.0) > 0.01) {
-      throw InputError(path, line.number, "expected a unit quaternion qx qy qz qw");
+    const double norm = timed.pose.rotation.norm();
+    if (!(std::abs(norm - 1.0) <= 0.01)) {
+      throw InputError(
+          path, line.number,
+          fmt::format("expected a unit quaternion qx qy qz qw, found one of length {:.3g}", norm));
     }
     timed.pose.rotation.normalize();
     if (!poses.empty() && timed.t_us <= poses.back().t_us) {
-      throw InputError(path, line.number, "expected times in increasing order");
+      throw InputError(path, line.number,
+                       fmt::format("expected times in increasing order, found {:.6f} s after "
+                                   "{:.6f} s",
+                                   1e-6 * static_cast<double>(timed.t_us),
+                                   1e-6 * static_cast<double>(poses.back().t_us)));
     }
     poses.push_back(timed);
   }
@@ -60,21 +68,31 @@ std::vector<TimedPose> read_tum(const std::filesystem::path& path) {
 }
 
 Rigid<double> read_matrix_pose(const std::filesystem::path& path) {
-  const std::vector<TextLine> lines = read_lines(path);
-  if (lines.size() != 4) {
-    throw InputError(path, fmt::format("expected a 4x4 matrix in 4 lines, found {}", lines.size()));
-  }
   std::vector<double> rows;
-  for (const TextLine& line : lines) {
+  LineReader lines(path);
+  TextLine line;
+  for (int i = 0; i < 4; ++i) {
+    if (!lines.next(line)) {
+      throw InputError(path, fmt::format("expected a 4x4 matrix in 4 lines, found {}", i));
+    }
     const std::vector<double> row = parse_numbers(line, 4, path, "a row of a 4x4 matrix");
     rows.insert(rows.end(), row.begin(), row.end());
   }
-  return to_rigid(rows, path, lines.front().number);
+  for (int i = 0; i < 4; ++i) {
+    if (std::abs(rows[12 + i] - (i < 3 ? 0.0 : 1.0)) > 1e-6) {
+      throw InputError(path, line.number, "expected 0 0 0 1 in the last row of a pose matrix");
+    }
+  }
+  if (lines.next(line)) {
+    throw InputError(path, line.number, "expected a 4x4 matrix in 4 lines, found another line");
+  }
+  return to_rigid(rows, path, line.number);
 }
 
 std::vector<Rigid<double>> read_kitti_poses(const std::filesystem::path& path) {
   std::vector<Rigid<double>> poses;
-  for (const TextLine& line : read_lines(path)) {
+  LineReader lines(path);
+  for (TextLine line; lines.next(line);) {
     poses.push_back(
         to_rigid(parse_numbers(line, 12, path, "a 3x4 pose matrix"), path, line.number));
   }

@@ -12,13 +12,31 @@
 namespace cairn::host {
 namespace {
 
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::size_t kLongestLine = 65536;
+constexpr double kLargestTime_us = 4.6e18;  // 2^62
+
+std::ifstream open_text(const std::filesystem::path& path) {
+  require_file(path, "a text file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path, "cannot be opened for reading");
+  const int first = file.get();
+  const int second = file.get();
+  if ((first == 0xFF && second == 0xFE) || (first == 0xFE && second == 0xFF)) {
+    throw InputError(path, "expected UTF-8 text, found UTF-16: save it as UTF-8");
+  }
+  file.clear();
+  file.seekg(0);
+  return file;
+}
+
+}  // namespace
+
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t");
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
-
-}  // namespace
 
 void require_file(const std::filesystem::path& path, const std::string& what) {
   std::error_code error;
@@ -40,20 +58,66 @@ void require_folder(const std::filesystem::path& path, const std::string& what) 
   }
 }
 
-std::vector<TextLine> read_lines(const std::filesystem::path& path) {
-  require_file(path, "a text file");
-  std::ifstream file(path);
-  if (!file) throw InputError(path, "cannot be opened for reading");
-  std::vector<TextLine> lines;
-  std::string text;
-  for (int number = 1; std::getline(file, text); ++number) {
-    if (!text.empty() && text.back() == '\r') text.pop_back();
-    const std::string_view content = trimmed(text);
-    if (content.empty() || content.front() == '#') continue;
-    lines.push_back({number, text});
+std::string read_text(const std::filesystem::path& path, std::size_t limit,
+                      const std::string& what) {
+  std::ifstream file = open_text(path);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error || size > limit) {
+    throw InputError(path, fmt::format("expected {} of at most {} bytes, found {}", what, limit,
+                                       error ? "no size" : fmt::format("{}", size)));
   }
-  if (file.bad()) throw InputError(path, "reading failed");
-  return lines;
+  std::string text(static_cast<std::size_t>(size), '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.gcount() != static_cast<std::streamsize>(text.size())) {
+    throw InputError(path, "reading failed");
+  }
+  if (text.rfind(kByteOrderMark, 0) == 0) text.erase(0, kByteOrderMark.size());
+  if (text.find('\0') != std::string::npos) {
+    throw InputError(path, "expected text, found a zero byte");
+  }
+  return text;
+}
+
+LineReader::LineReader(const std::filesystem::path& path) : path_(path), file_(open_text(path)) {}
+
+bool LineReader::read(std::string& text) {
+  text.clear();
+  int c = file_.get();
+  if (c == std::ifstream::traits_type::eof()) {
+    if (file_.bad()) throw InputError(path_, "reading failed");
+    return false;
+  }
+  ++number_;
+  for (; c != std::ifstream::traits_type::eof() && c != '\n'; c = file_.get()) {
+    if (c == '\r') {
+      if (file_.peek() == '\n') file_.get();
+      break;
+    }
+    if (c == '\0') throw InputError(path_, number_, "expected text, found a zero byte");
+    if (text.size() == kLongestLine) {
+      throw InputError(path_, number_,
+                       fmt::format("expected lines of at most {} characters", kLongestLine));
+    }
+    text.push_back(static_cast<char>(c));
+  }
+  if (number_ == 1 && text.rfind(kByteOrderMark, 0) == 0) text.erase(0, kByteOrderMark.size());
+  return true;
+}
+
+bool LineReader::next(TextLine& line) {
+  comment_.clear();
+  while (read(line.text)) {
+    const std::string_view content = trimmed(line.text);
+    if (content.empty()) continue;
+    if (content.front() == '#') {
+      comment_ = content.substr(1);
+      continue;
+    }
+    line.number = number_;
+    return true;
+  }
+  return false;
 }
 
 std::vector<std::string_view> split_blanks(std::string_view text) {
@@ -65,17 +129,6 @@ std::vector<std::string_view> split_blanks(std::string_view text) {
     position = end;
   }
   return fields;
-}
-
-std::vector<std::string_view> split_commas(std::string_view text) {
-  std::vector<std::string_view> fields;
-  std::size_t position = 0;
-  while (true) {
-    const std::size_t comma = text.find(',', position);
-    fields.push_back(trimmed(text.substr(position, comma - position)));
-    if (comma == std::string_view::npos) return fields;
-    position = comma + 1;
-  }
 }
 
 double parse_number(std::string_view field, const std::filesystem::path& path, int line,
@@ -96,7 +149,8 @@ std::vector<double> parse_numbers(const TextLine& line, std::size_t count,
   const std::vector<std::string_view> fields = split_blanks(line.text);
   if (fields.size() != count) {
     throw InputError(path, line.number,
-                     fmt::format("expected {} numbers ({}), found {}", count, what, fields.size()));
+                     fmt::format("expected {} numbers separated by blanks ({}), found {}", count,
+                                 what, fields.size()));
   }
   std::vector<double> values;
   values.reserve(count);
@@ -106,47 +160,15 @@ std::vector<double> parse_numbers(const TextLine& line, std::size_t count,
   return values;
 }
 
-CsvTable::CsvTable(const std::filesystem::path& path) : path_(path), lines_(read_lines(path)) {
-  if (lines_.empty()) throw InputError(path, "expected a header line, found an empty file");
-  for (const std::string_view name : split_commas(lines_.front().text)) {
-    header_.emplace_back(name);
-  }
-  lines_.erase(lines_.begin());
-  fields_.reserve(lines_.size());
-  for (const TextLine& line : lines_) {
-    fields_.push_back(split_commas(line.text));
-    if (fields_.back().size() != header_.size()) {
-      throw InputError(path, line.number,
-                       fmt::format("expected {} fields as in the header, found {}", header_.size(),
-                                   fields_.back().size()));
-    }
-  }
-}
-
-bool CsvTable::has(const std::string& column) const {
-  return std::find(header_.begin(), header_.end(), column) != header_.end();
-}
-
-std::size_t CsvTable::column(const std::string& name) const {
-  const auto found = std::find(header_.begin(), header_.end(), name);
-  if (found == header_.end()) {
-    throw InputError(path_, 1, fmt::format("expected a column '{}' in the header", name));
-  }
-  return static_cast<std::size_t>(found - header_.begin());
-}
-
-double CsvTable::number(std::size_t row, std::size_t column) const {
-  return parse_number(fields_[row][column], path_, lines_[row].number, header_[column]);
-}
-
-int CsvTable::integer(std::size_t row, std::size_t column) const {
-  const double value = number(row, column);
-  if (value != std::floor(value) || std::abs(value) > 1e9) {
+std::int64_t parse_time_us(double value, double unit_us, const std::filesystem::path& path,
+                           int line) {
+  const double t_us = value * unit_us;
+  if (!(std::abs(t_us) < kLargestTime_us)) {
     throw InputError(
-        path_, lines_[row].number,
-        fmt::format("{}: expected an integer, found '{}'", header_[column], fields_[row][column]));
+        path, line,
+        fmt::format("expected a time within 146,000 years of 0, found {} s", 1e-6 * t_us));
   }
-  return static_cast<int>(value);
+  return std::llround(t_us);
 }
 
 }  // namespace cairn::host

@@ -1,31 +1,57 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "cairn/geometry/rigid.hpp"
-
 namespace cairn::host {
+
+/// Throws InputError unless `path` is a file / a folder; `what` names it in the message.
+void require_file(const std::filesystem::path& path, const std::string& what);
+void require_folder(const std::filesystem::path& path, const std::string& what);
+
+/// The whole file without a UTF-8 byte order mark. Throws InputError when it is larger than `limit`
+/// bytes, cannot be read, is UTF-16 or holds zero bytes; `what` names it in the message.
+std::string read_text(const std::filesystem::path& path, std::size_t limit,
+                      const std::string& what);
 
 struct TextLine {
   int number = 0;  ///< from 1
   std::string text;
 };
 
-/// Throws InputError unless `path` is a file / a folder; `what` names it in the message.
-void require_file(const std::filesystem::path& path, const std::string& what);
-void require_folder(const std::filesystem::path& path, const std::string& what);
+/// Lines of a text file, one at a time, so that memory does not grow with the file. Lines end in
+/// LF, CR LF or CR; the last one needs no end. A UTF-8 byte order mark is skipped.
+class LineReader {
+ public:
+  /// Throws InputError when the file cannot be read or is UTF-16.
+  explicit LineReader(const std::filesystem::path& path);
 
-/// Lines of a text file without blank ones and those that start with '#'; a carriage return at the
-/// end is dropped. Throws InputError when the file cannot be read.
-std::vector<TextLine> read_lines(const std::filesystem::path& path);
+  /// The next line that is neither blank nor a comment (#); false after the last. Throws InputError
+  /// for a line of more than 65,536 characters or with a zero byte: it is no text.
+  bool next(TextLine& line);
+  /// The comment directly before the line that next() gave, without its '#'; empty: none.
+  const std::string& comment() const { return comment_; }
+  const std::filesystem::path& path() const { return path_; }
 
-/// Fields of a line, separated by any run of blanks and tabs, or each by one comma.
+ private:
+  bool read(std::string& text);
+
+  std::filesystem::path path_;
+  std::ifstream file_;
+  std::string comment_;
+  int number_ = 0;
+};
+
+/// `text` without blanks and tabs at its ends.
+std::string_view trimmed(std::string_view text);
+
+/// Fields of a line, separated by any run of blanks and tabs.
 std::vector<std::string_view> split_blanks(std::string_view text);
-std::vector<std::string_view> split_commas(std::string_view text);
 
 /// The whole field as a finite number; throws InputError naming file, line and `what` otherwise.
 double parse_number(std::string_view field, const std::filesystem::path& path, int line,
@@ -35,27 +61,9 @@ double parse_number(std::string_view field, const std::filesystem::path& path, i
 std::vector<double> parse_numbers(const TextLine& line, std::size_t count,
                                   const std::filesystem::path& path, const std::string& what);
 
-/// Numbers of a CSV file with a header line, as columns asked for by name. Other columns are
-/// ignored, but every row must have as many fields as the header.
-class CsvTable {
- public:
-  explicit CsvTable(const std::filesystem::path& path);
-
-  bool has(const std::string& column) const;
-  /// Index for number(); throws InputError naming the column when it is missing.
-  std::size_t column(const std::string& name) const;
-  std::size_t rows() const { return lines_.size(); }
-  double number(std::size_t row, std::size_t column) const;
-  /// Same, refusing anything but an integer.
-  int integer(std::size_t row, std::size_t column) const;
-  int line(std::size_t row) const { return lines_[row].number; }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-  std::vector<std::string> header_;
-  std::vector<TextLine> lines_;
-  std::vector<std::vector<std::string_view>> fields_;
-};
+/// `value` units of `unit_us` microseconds as a time, rounded. Throws InputError naming the line
+/// when it is further than 146,000 years from 0: differences of times then fit 64 bits.
+std::int64_t parse_time_us(double value, double unit_us, const std::filesystem::path& path,
+                           int line);
 
 }  // namespace cairn::host

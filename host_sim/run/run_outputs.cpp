@@ -149,6 +149,7 @@ void write_manifest(const std::filesystem::path& folder, const RunIdentity& iden
   manifest["source"] = {{"name", identity.source},
                         {"frame_rate_hz", source.frame_rate_hz},
                         {"note", source.note},
+                        {"warnings", source.warnings},
                         {"camera",
                          {{"fx", c.fx},
                           {"fy", c.fy},

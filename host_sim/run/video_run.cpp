@@ -1,10 +1,14 @@
 #include "host_sim/run/video_run.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "cairn/runtime/config.hpp"
 
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/run/input_log_file.hpp"
@@ -15,6 +19,7 @@
 #include "host_sim/run/timing_run.hpp"
 #include "host_sim/sources/data_sets.hpp"
 #include "host_sim/sources/hall_source.hpp"
+#include "host_sim/sources/scaled_source.hpp"
 #include "host_sim/sources/stress_source.hpp"
 #include "host_sim/sources/video_source.hpp"
 #include "host_sim/world/gaussian.hpp"
@@ -78,6 +83,14 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
   if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
     throw UsageError("--measurement and the options beside it: only for --mode handheld");
   }
+  if (tracker.mode == Mode::kVehicle && !options.fading.empty()) {
+    throw UsageError("--fading: only for --filter mono");
+  }
+  if (tracker.mode == Mode::kHandheld &&
+      (options.start_heading_variance || options.start_position_variance)) {
+    throw UsageError(
+        "--start-heading-variance, --start-position-variance: only for --mode vehicle");
+  }
   if (tracker.mode == Mode::kVehicle) set_start(options, first, tracker);
   return tracker;
 }
@@ -131,7 +144,35 @@ void make_folder(const fs::path& folder) {
   if (error) throw InputError(folder, "cannot be created: " + error.message());
 }
 
-ExitCode run_source(FrameSource& source, const RunOptions& options) {
+/// The source with pictures of the size asked for, and of one that the tracker holds.
+std::unique_ptr<FrameSource> fit_source(std::unique_ptr<FrameSource> source,
+                                        const RunOptions& options) {
+  const PinholeCamera<double>& camera = source->info().camera;
+  const double fitting =
+      fitting_factor(camera, LargeConfig::kMaxImageWidth, LargeConfig::kMaxImageHeight);
+  const double factor = std::min(options.scale.value_or(1.0), fitting);
+  if (factor == 1.0) return source;
+  const bool asked = options.scale.has_value() && *options.scale == factor;
+  source = scale_source(std::move(source), factor);
+  if (!asked) {
+    fmt::print(stderr, "cairn_sim: {}: the tracker holds {}x{}\n", source->info().note,
+               LargeConfig::kMaxImageWidth, LargeConfig::kMaxImageHeight);
+  }
+  return source;
+}
+
+/// Says warnings that have come since the first `said`.
+void say_warnings(const SourceInfo& info, std::size_t& said) {
+  for (; said < info.warnings.size(); ++said) {
+    fmt::print(stderr, "cairn_sim: warning: {}\n", info.warnings[said]);
+  }
+}
+
+ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& options) {
+  const std::unique_ptr<FrameSource> fitting = fit_source(std::move(opened), options);
+  FrameSource& source = *fitting;
+  std::size_t warnings_said = 0;
+  say_warnings(source.info(), warnings_said);
   Frame frame;
   if (!source.next(frame)) throw InputError(options.source, "expected at least one frame");
   const TrackerOptions tracker_settings = tracker_options(options, source.info(), frame);
@@ -157,7 +198,8 @@ ExitCode run_source(FrameSource& source, const RunOptions& options) {
       evaluate_registration(record.registration_input, source.info().camera,
                             registration_settings(source.info(), tracker_settings.mode));
   const RunTrajectory trajectory = evaluate_run(record, tracker_settings.mode);
-  const nlohmann::json summary = summarise(record, trajectory, registration, options.budget_ms);
+  nlohmann::json summary = summarise(record, trajectory, registration, options.budget_ms);
+  summary["input"] = {{"warnings", source.info().warnings}, {"damaged", source.info().damaged}};
 
   write_manifest(options.out, {options.command_line, tracker_settings, options.source},
                  source.info(), record);
@@ -174,7 +216,8 @@ ExitCode run_source(FrameSource& source, const RunOptions& options) {
   } else {
     fmt::print("report: {}\n", (options.out / "report.html").string());
   }
-  return ExitCode::kOk;
+  say_warnings(source.info(), warnings_said);
+  return source.info().damaged ? ExitCode::kInputInvalid : ExitCode::kOk;
 }
 
 HallOptions hall_options(const RunOptions& options) {
@@ -190,41 +233,41 @@ HallOptions hall_options(const RunOptions& options) {
 }  // namespace
 
 ExitCode run_hall(const RunOptions& options, const std::string& /*argument*/) {
-  return run_source(*make_hall_source(hall_options(options)), options);
+  return run_source(make_hall_source(hall_options(options)), options);
 }
 
 ExitCode run_hall_small(const RunOptions& options, const std::string& /*argument*/) {
   HallOptions hall = hall_options(options);
   hall.width = 320;
   hall.frame_count = options.max_frames.value_or(kHallSmallFrames);
-  return run_source(*make_hall_source(hall), options);
+  return run_source(make_hall_source(hall), options);
 }
 
 ExitCode run_stress(const RunOptions& options, const std::string& fields) {
   StressScene scene = parse_stress_scene(fields);
   if (options.max_frames.has_value()) scene.frames = *options.max_frames;
-  return run_source(*make_stress_source(scene), options);
+  return run_source(make_stress_source(scene), options);
 }
 
 ExitCode run_seven_scenes(const RunOptions& options, const std::string& folder) {
-  return run_source(*make_seven_scenes_source(folder, range_of(options)), options);
+  return run_source(make_seven_scenes_source(folder, range_of(options)), options);
 }
 
 ExitCode run_tag_board(const RunOptions& options, const std::string& folder) {
-  return run_source(*make_tag_board_source(folder, range_of(options)), options);
+  return run_source(make_tag_board_source(folder, range_of(options)), options);
 }
 
 ExitCode run_kitti(const RunOptions& options, const std::string& folder) {
-  return run_source(*make_kitti_source(folder, range_of(options), options.seed), options);
+  return run_source(make_kitti_source(folder, range_of(options), options.seed), options);
 }
 
 ExitCode run_tum_rgbd(const RunOptions& options, const std::string& folder) {
-  return run_source(*make_tum_rgbd_source(folder, options.camera, range_of(options)), options);
+  return run_source(make_tum_rgbd_source(folder, options.camera, range_of(options)), options);
 }
 
 ExitCode run_video(const RunOptions& options, const std::string& media) {
-  return run_source(*make_video_source({media, options.camera, options.odometry, options.times,
-                                        options.truth, range_of(options)}),
+  return run_source(make_video_source({media, options.camera, options.odometry, options.times,
+                                       options.truth, range_of(options)}),
                     options);
 }
 

@@ -58,6 +58,10 @@ struct SourceInfo {
   std::vector<std::vector<Vector3<double>>> surfaces;
   std::vector<std::filesystem::path> inputs;  ///< files that were read, for the manifest's hashes
   std::string note;                           ///< what was assumed, for the manifest and the report
+  /// What the user should know of the inputs, complete after the last frame: for standard error,
+  /// the summary and the manifest.
+  std::vector<std::string> warnings;
+  bool damaged = false;  ///< an input ended so early that it must be damaged; a warning says which
 };
 
 /// Frames in order, one at a time. Throws InputError where an input is unreadable or invalid.

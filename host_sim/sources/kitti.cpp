@@ -4,6 +4,7 @@
 
 #include "host_sim/io/image_file.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/picture_folder.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
@@ -19,9 +20,9 @@ constexpr double kSpeedSigma = 0.1;
 constexpr double kYawRateSigma = 0.01;
 
 PinholeCamera<double> read_calibration(const fs::path& path, const fs::path& first_image) {
-  const std::vector<TextLine> lines = read_lines(path);
-  if (lines.empty()) throw InputError(path, "expected a 3x4 projection matrix a line");
-  TextLine line = lines.front();
+  LineReader lines(path);
+  TextLine line;
+  if (!lines.next(line)) throw InputError(path, "expected a 3x4 projection matrix a line");
   const std::size_t colon = line.text.find(':');
   if (colon != std::string::npos) line.text.erase(0, colon + 1);
   const std::vector<double> m = parse_numbers(line, 12, path, "a 3x4 projection matrix");
@@ -72,10 +73,12 @@ OdometrySample odometry_between(const Frame& from, const Frame& to, GaussianRand
   return sample;
 }
 
-std::vector<double> read_times(const fs::path& path) {
-  std::vector<double> times;
-  for (const TextLine& line : read_lines(path)) {
-    times.push_back(parse_numbers(line, 1, path, "a time in seconds")[0]);
+std::vector<std::int64_t> read_times(const fs::path& path) {
+  std::vector<std::int64_t> times;
+  LineReader lines(path);
+  for (TextLine line; lines.next(line);) {
+    const double t_s = parse_numbers(line, 1, path, "a time in seconds")[0];
+    times.push_back(parse_time_us(t_s, 1e6, path, line.number));
     if (times.size() > 1 && !(times.back() > times[times.size() - 2])) {
       throw InputError(path, line.number, "expected times in increasing order");
     }
@@ -102,7 +105,7 @@ std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const Fra
                           kYawRateSigma);
   info.inputs = {folder / "calib.txt", folder / "poses.txt"};
   const std::vector<Rigid<double>> poses = read_kitti_poses(folder / "poses.txt");
-  std::vector<double> times;
+  std::vector<std::int64_t> times;
   if (fs::exists(folder / "times.txt")) {
     times = read_times(folder / "times.txt");
     info.inputs.push_back(folder / "times.txt");
@@ -118,8 +121,7 @@ std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const Fra
     SequenceFrame frame;
     frame.image = files[i].path;
     frame.known.number = files[i].number;
-    frame.known.t_us =
-        std::llround(1e6 * (times.empty() ? 0.1 * static_cast<double>(i) : times[i]));
+    frame.known.t_us = times.empty() ? 100000 * static_cast<std::int64_t>(i) : times[i];
     frame.known.true_T_world_camera = info.T_vehicle_camera * poses[i];
     frame.known.true_T_world_vehicle =
         *frame.known.true_T_world_camera * info.T_vehicle_camera.inverse();

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "host_sim/io/image_file.hpp"
+#include "host_sim/io/picture_folder.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
@@ -26,7 +26,7 @@ std::unique_ptr<FrameSource> make_seven_scenes_source(const std::filesystem::pat
   for (const NumberedFile& file :
        list_numbered_files(folder, "frame-", {".color.png", ".color.jpg"})) {
     std::string name = file.path.filename().string();
-    name.erase(name.find(".color."));
+    name.erase(name.size() - std::string(".color.png").size());
     const std::filesystem::path pose = folder / (name + ".pose.txt");
     SequenceFrame frame;
     frame.image = file.path;

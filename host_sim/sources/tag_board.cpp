@@ -5,8 +5,9 @@
 #include <fmt/format.h>
 
 #include "host_sim/io/camera_file.hpp"
-#include "host_sim/io/image_file.hpp"
+#include "host_sim/io/csv_file.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/picture_folder.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
@@ -14,34 +15,36 @@
 namespace cairn::host {
 namespace {
 
+constexpr std::int64_t kTags = 587;
+
 struct SeenCorner {
   std::uint32_t id = 0;
   Vector2<double> pixel;
 };
 
-std::map<int, Rigid<double>> read_board_poses(const std::filesystem::path& path) {
-  const CsvTable table(path);
+std::map<std::int64_t, Rigid<double>> read_board_poses(const std::filesystem::path& path) {
+  CsvReader table(path);
   const std::size_t frame = table.column("frame");
   std::array<std::size_t, 12> columns{};
   for (int i = 0; i < 12; ++i) columns[i] = table.column(fmt::format("m{}{}", i / 4, i % 4));
-  std::map<int, Rigid<double>> poses;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
+  std::map<std::int64_t, Rigid<double>> poses;
+  while (table.next()) {
     std::array<double, 12> m{};
-    for (int i = 0; i < 12; ++i) m[i] = table.number(row, columns[i]);
+    for (int i = 0; i < 12; ++i) m[i] = table.number(columns[i]);
     Matrix3<double> matrix;
     matrix << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
     Rigid<double> pose;
     if (!to_rotation(matrix, pose.rotation)) {
-      throw InputError(path, table.line(row), "expected a rotation in m00 ... m22");
+      throw InputError(path, table.line(), "expected a rotation in m00 ... m22");
     }
     pose.translation = {m[3], m[7], m[11]};
-    poses[table.integer(row, frame)] = pose;
+    poses[table.integer(frame)] = pose;
   }
   return poses;
 }
 
-std::map<int, std::vector<SeenCorner>> read_corners(const std::filesystem::path& path) {
-  const CsvTable table(path);
+std::map<std::int64_t, std::vector<SeenCorner>> read_corners(const std::filesystem::path& path) {
+  CsvReader table(path);
   const std::size_t frame = table.column("frame");
   const std::size_t tag = table.column("tag_id_36h11");
   std::array<std::size_t, 8> columns{};
@@ -49,13 +52,17 @@ std::map<int, std::vector<SeenCorner>> read_corners(const std::filesystem::path&
     columns[2 * k] = table.column(fmt::format("u{}", k));
     columns[2 * k + 1] = table.column(fmt::format("v{}", k));
   }
-  std::map<int, std::vector<SeenCorner>> corners;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
+  std::map<std::int64_t, std::vector<SeenCorner>> corners;
+  while (table.next()) {
+    const std::int64_t id = table.integer(tag);
+    if (id < 0 || id >= kTags) {
+      table.fail(tag, fmt::format("expected a tag of the family 36h11, 0 to {}", kTags - 1));
+    }
     for (int k = 0; k < 4; ++k) {
       SeenCorner corner;
-      corner.id = static_cast<std::uint32_t>(4 * table.integer(row, tag) + k + 1);
-      corner.pixel = {table.number(row, columns[2 * k]), table.number(row, columns[2 * k + 1])};
-      corners[table.integer(row, frame)].push_back(corner);
+      corner.id = static_cast<std::uint32_t>(4 * id + k + 1);
+      corner.pixel = {table.number(columns[2 * k]), table.number(columns[2 * k + 1])};
+      corners[table.integer(frame)].push_back(corner);
     }
   }
   return corners;
@@ -63,8 +70,8 @@ std::map<int, std::vector<SeenCorner>> read_corners(const std::filesystem::path&
 
 /// Place of each corner on the board (its plane is z = 0): the mean over all frames.
 std::map<std::uint32_t, Vector3<double>> board_points(
-    const PinholeCamera<double>& camera, const std::map<int, Rigid<double>>& poses,
-    const std::map<int, std::vector<SeenCorner>>& corners) {
+    const PinholeCamera<double>& camera, const std::map<std::int64_t, Rigid<double>>& poses,
+    const std::map<std::int64_t, std::vector<SeenCorner>>& corners) {
   std::map<std::uint32_t, Vector3<double>> sums;
   std::map<std::uint32_t, int> counts;
   for (const auto& [number, seen] : corners) {

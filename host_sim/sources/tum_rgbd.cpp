@@ -50,6 +50,17 @@ PinholeCamera<double> published_camera(const fs::path& folder) {
   return camera;
 }
 
+/// A list names files of its own folder alone: a path that leads out of it is refused.
+fs::path inside_folder(const fs::path& file, const fs::path& list, int line) {
+  const fs::path plain = file.lexically_normal();
+  if (plain.is_absolute() || plain.empty() || *plain.begin() == "..") {
+    throw InputError(
+        list, line,
+        fmt::format("expected a file inside the list's folder, found '{}'", file.string()));
+  }
+  return plain;
+}
+
 std::optional<Rigid<double>> pose_at(const std::vector<TimedPose>& poses, std::int64_t t_us) {
   const auto after =
       std::lower_bound(poses.begin(), poses.end(), t_us,
@@ -84,16 +95,18 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
   info.inputs.push_back(list);
   info.inputs.push_back(folder / "groundtruth.txt");
   std::vector<SequenceFrame> frames;
-  for (const TextLine& line : read_lines(list)) {
+  LineReader lines(list);
+  for (TextLine line; lines.next(line);) {
     const std::vector<std::string_view> fields = split_blanks(line.text);
     if (fields.size() != 2) throw InputError(list, line.number, "expected: time file");
     SequenceFrame frame;
     frame.known.number = static_cast<int>(frames.size());
-    frame.known.t_us = std::llround(1e6 * parse_number(fields[0], list, line.number, "time"));
+    frame.known.t_us =
+        parse_time_us(parse_number(fields[0], list, line.number, "time"), 1e6, list, line.number);
     if (!frames.empty() && frame.known.t_us <= frames.back().known.t_us) {
       throw InputError(list, line.number, "expected times in increasing order");
     }
-    frame.image = folder / std::string(fields[1]);
+    frame.image = folder / inside_folder(std::string(fields[1]), list, line.number);
     frame.known.true_T_world_camera = pose_at(truth, frame.known.t_us);
     frames.push_back(std::move(frame));
   }

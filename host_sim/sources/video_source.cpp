@@ -2,91 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
 #include "host_sim/io/camera_file.hpp"
-#include "host_sim/io/image_file.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/pose_file.hpp"
-#include "host_sim/io/text_file.hpp"
+#include "host_sim/sources/frame_times.hpp"
+#include "host_sim/sources/media.hpp"
+#include "host_sim/sources/odometry_file.hpp"
+#include "host_sim/sources/time_span.hpp"
 
 namespace cairn::host {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFolderRate = 30.0;
-constexpr double kSpeedSigma = 0.1;     // assumed of odometry that states no noise
-constexpr double kYawRateSigma = 0.05;  // rad/s
-constexpr double kSteeringSigma = 0.087;
 constexpr std::int64_t kTruthTolerance_us = 20000;
-
-std::int64_t time_of_row(const CsvTable& table, std::size_t row) {
-  if (table.has("t_us")) return std::llround(table.number(row, table.column("t_us")));
-  return std::llround(1e6 * table.number(row, table.column("t_s")));
-}
-
-std::map<int, std::int64_t> read_times(const fs::path& path) {
-  std::map<int, std::int64_t> times;
-  if (path.empty()) return times;
-  const CsvTable table(path);
-  const std::size_t frame = table.column("frame");
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    const std::int64_t t_us = time_of_row(table, row);
-    if (!times.empty() && t_us <= times.rbegin()->second) {
-      throw InputError(path, table.line(row), "expected times in increasing order");
-    }
-    const int number = table.integer(row, frame);
-    if (!times.empty() && number <= times.rbegin()->first) {
-      throw InputError(path, table.line(row), "expected frame numbers in increasing order");
-    }
-    times[number] = t_us;
-  }
-  return times;
-}
-
-struct Odometry {
-  OdometryModel model;
-  std::vector<OdometrySample> samples;
-};
-
-Odometry read_odometry(const fs::path& path) {
-  const CsvTable table(path);
-  Odometry odometry;
-  const bool twist = table.has("yaw_rate_radps");
-  const std::size_t speed = table.column("speed_mps");
-  const std::size_t turn = table.column(twist ? "yaw_rate_radps" : "steering_rad");
-  odometry.model.kind = twist ? OdometrySample::Kind::kTwist : OdometrySample::Kind::kAckermann;
-  odometry.model.speed_sigma_mps = kSpeedSigma;
-  odometry.model.turn_sigma = twist ? kYawRateSigma : kSteeringSigma;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    OdometrySample sample;
-    sample.t_us = time_of_row(table, row);
-    sample.kind = odometry.model.kind;
-    sample.speed_mps = static_cast<float>(table.number(row, speed));
-    sample.turn = static_cast<float>(table.number(row, turn));
-    if (!odometry.samples.empty() && sample.t_us <= odometry.samples.back().t_us) {
-      throw InputError(path, table.line(row), "expected times in increasing order");
-    }
-    odometry.samples.push_back(sample);
-  }
-  if (odometry.samples.size() < 2) throw InputError(path, "expected two or more odometry rows");
-  if (!twist) {
-    odometry.model.wheelbase_m = table.number(0, table.column("wheelbase_m"));
-    if (!(odometry.model.wheelbase_m > 0.0)) {
-      throw InputError(path, table.line(0), "wheelbase_m: expected a length above zero");
-    }
-  }
-  const auto span =
-      static_cast<double>(odometry.samples.back().t_us - odometry.samples.front().t_us);
-  odometry.model.period_s = 1e-6 * span / static_cast<double>(odometry.samples.size() - 1);
-  return odometry;
-}
+constexpr std::int64_t kLeastRecordedStep_us = 100;
+constexpr std::int64_t kMostOdometryStep_us = 1000000;
+constexpr std::int64_t kMostTruthStep_us = 10000000;
 
 /// A camera one metre up that looks forward, where the camera file does not say.
 Rigid<double> default_mounting() {
@@ -95,131 +31,121 @@ Rigid<double> default_mounting() {
   return {Quaternion<double>(R_vehicle_camera), Vector3<double>(0.0, 0.0, 1.0)};
 }
 
-/// Pictures of a video file or a folder, one after the other.
-class Media {
- public:
-  explicit Media(const fs::path& path) : path_(path) {
-    if (fs::is_directory(path)) {
-      files_ = list_numbered_files(path, std::nullopt, {".png", ".jpg", ".jpeg", ".pgm", ".bmp"});
-      return;
-    }
-    require_file(path, "a video file or a folder of numbered images");
-    if (!capture_.open(path.string())) {
-      throw InputError(path, "expected a video that OpenCV can decode");
-    }
-    const double rate = capture_.get(cv::CAP_PROP_FPS);
-    if (rate >= 1.0 && rate <= 1000.0) rate_ = rate;
-  }
+std::unique_ptr<Media> open_media(const VideoOptions& options,
+                                  const PinholeCamera<double>& camera) {
+  const cv::Size size(camera.width, camera.height);
+  return fs::is_directory(options.media) ? open_pictures(options.media, size, options.range)
+                                         : open_video(options.media, size, options.range);
+}
 
-  double rate() const { return rate_; }
-  const std::vector<NumberedFile>& files() const { return files_; }
-
-  /// Frames still to come, where the container says.
-  int remaining() const {
-    const std::size_t all =
-        files_.empty()
-            ? static_cast<std::size_t>(std::max(0.0, capture_.get(cv::CAP_PROP_FRAME_COUNT)))
-            : files_.size();
-    return all > position_ ? static_cast<int>(all - position_) : 0;
-  }
-
-  /// Goes to the first frame whose number is `first` or more.
-  void skip_to(int first) {
-    if (files_.empty()) {
-      while (static_cast<int>(position_) < first && capture_.grab()) ++position_;
-    } else {
-      while (position_ < files_.size() && files_[position_].number < first) ++position_;
-    }
-  }
-
-  bool next(const cv::Size& size, int& number, cv::Mat& grey) {
-    if (!files_.empty()) {
-      if (position_ == files_.size()) return false;
-      const NumberedFile& file = files_[position_++];
-      number = file.number;
-      read_grey_image(file.path, size, grey);
-      return true;
-    }
-    if (!capture_.read(colour_)) return false;
-    number = static_cast<int>(position_++);
-    if (colour_.channels() == 1) {
-      colour_.copyTo(grey);
-    } else {
-      cv::cvtColor(colour_, grey, cv::COLOR_BGR2GRAY);
-    }
-    if (grey.size() != size) {
-      throw InputError(path_,
-                       fmt::format("expected {}x{} pixels as the camera file says, found {}x{}",
-                                   size.width, size.height, grey.cols, grey.rows));
-    }
-    return true;
-  }
-
- private:
-  fs::path path_;
-  std::vector<NumberedFile> files_;
-  cv::VideoCapture capture_;
-  cv::Mat colour_;
-  std::size_t position_ = 0;
-  double rate_ = kFolderRate;
-};
+template <class Timed>
+std::vector<std::int64_t> times_of(const std::vector<Timed>& entries) {
+  std::vector<std::int64_t> times;
+  times.reserve(entries.size());
+  for (const Timed& entry : entries) times.push_back(entry.t_us);
+  return times;
+}
 
 class VideoSource final : public FrameSource {
  public:
   explicit VideoSource(const VideoOptions& options)
-      : options_(options), media_(options.media), times_(read_times(options.times)) {
-    const CameraFile camera = read_camera_file(options.camera);
+      : options_(options), camera_(read_camera_file(options.camera)) {
+    media_ = open_media(options, camera_.camera);
+    if (!options.times.empty()) times_.emplace(options.times);
+    const MediaInfo& media = media_->info();
     info_.name = "video";
-    info_.camera = camera.camera;
-    info_.frame_rate_hz = media_.rate();
+    info_.camera = camera_.camera;
+    info_.frame_rate_hz = media.rate_hz;
+    info_.frame_count = media.frame_count;
+    info_.note = fmt::format("camera file of {}; {}", camera_.format,
+                             times_.has_value() ? "times from --times" : media.note);
     info_.inputs = {options.camera};
-    if (media_.files().empty()) info_.inputs.push_back(options.media);
-    for (const NumberedFile& file : media_.files()) info_.inputs.push_back(file.path);
-    if (!options.times.empty()) info_.inputs.push_back(options.times);
-    if (!options.truth.empty()) {
-      truth_ = read_tum(options.truth);
-      info_.inputs.push_back(options.truth);
-    }
-    if (!options.odometry.empty()) {
-      odometry_ = read_odometry(options.odometry);
-      info_.odometry = odometry_.model;
-      info_.inputs.push_back(options.odometry);
-      info_.T_vehicle_camera = camera.T_vehicle_camera.value_or(default_mounting());
-    }
-    media_.skip_to(options.range.first.value_or(0));
-    const int count =
-        std::min(media_.remaining(), options.range.count.value_or(media_.remaining()));
-    if (count > 0) info_.frame_count = count;
+    info_.inputs.insert(info_.inputs.end(), media.inputs.begin(), media.inputs.end());
+    if (times_.has_value()) info_.inputs.push_back(options.times);
+    const std::optional<TimeSpan> span = frames_span();
+    if (!options.truth.empty()) read_truth(span);
+    if (!options.odometry.empty()) take_odometry(span);
   }
 
   const SourceInfo& info() const override { return info_; }
 
   bool next(Frame& frame) override {
-    if (options_.range.count.has_value() && given_ >= *options_.range.count) return false;
-    int number = 0;
-    if (!media_.next({info_.camera.width, info_.camera.height}, number, frame.grey)) {
-      if (given_ > 0) return false;
-      throw InputError(options_.media, fmt::format("expected frames from number {} on, found none",
-                                                   options_.range.first.value_or(0)));
+    MediaFrame place;
+    if (!media_->next(place, frame.grey)) {
+      note_end();
+      return false;
     }
-    describe(number, frame);
+    if (times_.has_value()) place.t_us = times_->t_us(place.number);
+    describe(place, frame);
     ++given_;
     return true;
   }
 
  private:
-  std::int64_t time_of(int number) const {
-    if (times_.empty()) return std::llround(1e6 * number / info_.frame_rate_hz);
-    const auto found = times_.find(number);
-    if (found == times_.end()) {
-      throw InputError(options_.times, fmt::format("expected a row for frame {}", number));
+  /// Of the frames to come; empty where a video with --times says neither.
+  std::optional<TimeSpan> frames_span() const {
+    if (!times_.has_value()) return media_->info().span;
+    const std::vector<MediaFrame>& frames = media_->frames();
+    if (!frames.empty()) {
+      for (const MediaFrame& frame : frames) static_cast<void>(times_->t_us(frame.number));
+      return TimeSpan{times_->t_us(frames.front().number), times_->t_us(frames.back().number)};
     }
-    return found->second;
+    const int first = options_.range.first.value_or(0);
+    const std::optional<int> count = media_->info().frame_count;
+    if (!count.has_value()) return std::nullopt;
+    return TimeSpan{times_->t_us(first), times_->t_us(first + *count - 1)};
   }
 
-  void describe(int number, Frame& frame) {
-    frame.number = number;
-    frame.t_us = time_of(number);
+  void check_recording(const fs::path& file, const std::string& what,
+                       const std::vector<std::int64_t>& times, std::int64_t most_step_us,
+                       const std::optional<TimeSpan>& span) {
+    if (!span.has_value()) return;
+    const auto warning =
+        check_overlap(file, what, times, *span, kLeastRecordedStep_us, most_step_us);
+    if (warning.has_value()) info_.warnings.push_back(*warning);
+  }
+
+  void read_truth(const std::optional<TimeSpan>& span) {
+    truth_ = read_tum(options_.truth);
+    check_recording(options_.truth, "the truth", times_of(truth_), kMostTruthStep_us, span);
+    info_.inputs.push_back(options_.truth);
+  }
+
+  void take_odometry(const std::optional<TimeSpan>& span) {
+    odometry_ = read_odometry(options_.odometry);
+    check_recording(options_.odometry, "the odometry", times_of(odometry_.samples),
+                    kMostOdometryStep_us, span);
+    info_.odometry = odometry_.model;
+    info_.inputs.push_back(options_.odometry);
+    info_.T_vehicle_camera = camera_.T_vehicle_camera.value_or(default_mounting());
+    if (!camera_.T_vehicle_camera.has_value()) {
+      info_.note += "; no T_vehicle_camera in the camera file: camera 1 m up, looking forward";
+    }
+  }
+
+  void note_end() {
+    if (ended_) return;
+    ended_ = true;
+    const std::string missing = media_->missing();
+    if (!missing.empty()) {
+      info_.warnings.push_back(missing);
+      info_.damaged = media_->is_damaged();
+      if (times_.has_value()) {
+        info_.warnings.push_back(
+            "the rows of --times may belong to other frames than those they were given to");
+        info_.damaged = true;
+      }
+    }
+    if (!truth_.empty() && frames_with_truth_ < 2 && given_ > 1) {
+      info_.warnings.push_back(fmt::format("{}: {} of {} frames have a true pose within {} ms",
+                                           options_.truth.string(), frames_with_truth_, given_,
+                                           kTruthTolerance_us / 1000));
+    }
+  }
+
+  void describe(const MediaFrame& place, Frame& frame) {
+    frame.number = place.number;
+    frame.t_us = place.t_us;
     frame.scene_points.clear();
     frame.odometry.clear();
     while (next_sample_ < odometry_.samples.size() &&
@@ -234,6 +160,7 @@ class VideoSource final : public FrameSource {
       ++next_truth_;
     }
     if (!truth_.empty() && std::abs(truth_[next_truth_].t_us - frame.t_us) <= kTruthTolerance_us) {
+      ++frames_with_truth_;
       frame.true_T_world_camera = truth_[next_truth_].pose;
       if (info_.odometry.has_value()) {
         frame.true_T_world_vehicle = *frame.true_T_world_camera * info_.T_vehicle_camera.inverse();
@@ -242,14 +169,17 @@ class VideoSource final : public FrameSource {
   }
 
   VideoOptions options_;
-  Media media_;
-  std::map<int, std::int64_t> times_;
-  Odometry odometry_;
+  CameraFile camera_;
+  std::unique_ptr<Media> media_;
+  std::optional<FrameTimes> times_;
+  OdometryFile odometry_;
   std::vector<TimedPose> truth_;
   SourceInfo info_;
   std::size_t next_sample_ = 0;
   std::size_t next_truth_ = 0;
   int given_ = 0;
+  int frames_with_truth_ = 0;
+  bool ended_ = false;
 };
 
 }  // namespace

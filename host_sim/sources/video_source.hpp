@@ -17,10 +17,12 @@ struct VideoOptions {
   FrameRange range;
 };
 
-/// A video of your own. Times come from `times` (columns `frame` and `t_us` or `t_s`), else from
-/// the video's own rate, else 30 Hz. Odometry: columns `t_us` or `t_s`, `speed_mps`, and
-/// `yaw_rate_radps` or `steering_rad` with `wheelbase_m`. Throws InputError, and UsageError without
-/// a camera.
+/// A video of your own. Times come from `times`, else from the pictures' names or the video's
+/// container, else 30 Hz. docs/reference/command-line.md describes the files and what is checked.
+///
+/// Throws InputError naming the file for an input that is invalid, that does not fit the camera, or
+/// that is not of the frames' time; UsageError without a camera. Recordings that cover a part of
+/// the frames, and a video that ends early, are told by info().warnings and info().damaged.
 std::unique_ptr<FrameSource> make_video_source(const VideoOptions& options);
 
 }  // namespace cairn::host

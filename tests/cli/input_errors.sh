@@ -51,6 +51,27 @@ printf '0 0 0 0 0 0 0 1\n1 0 0 0 0 0 0\n' >"$work/truth.tum"
 expect 3 "truth.tum:2|expected 8 numbers" \
   run video:pictures --camera camera.yaml --truth truth.tum --out out
 
+# recordings of another clock, and samples outside the domain
+odometry() { printf 't_s,speed_mps,%s\n' "$1"; for i in 0 1 2 3; do printf '%s.%s,1,%s\n' "$2" "$i" "$3"; done; }
+odometry yaw_rate_radps 1700000000 0 >"$work/epoch.csv"
+expect 3 "epoch.csv|0.100 s to 0.167 s|1700000000.000 s to 1700000000.300 s" \
+  run video:pictures --camera camera.yaml --odometry epoch.csv --out out
+odometry yaw_rate_radps 0 200 >"$work/degrees.csv"
+expect 3 "degrees.csv:2|yaw_rate_radps|rad/s|found 200" \
+  run video:pictures --camera camera.yaml --odometry degrees.csv --out out
+printf '1700000000 0 0 0 0 0 0 1\n1700000001 0 0 0 0 0 0 1\n' >"$work/epoch.tum"
+expect 3 "epoch.tum|0.100 s to 0.167 s|1700000000.000 s" \
+  run video:pictures --camera camera.yaml --truth epoch.tum --out out
+
+# a list that names files outside of its folder
+mkdir -p "$work/tum"
+printf '0 0 0 0 0 0 0 1\n' >"$work/tum/groundtruth.txt"
+for file in ../pictures/3.pgm /etc/hostname rgb/../../x.png; do
+  printf '1.0 %s\n' "$file" >"$work/tum/rgb.txt"
+  expect 3 "rgb.txt:1|inside the list's folder|$file" \
+    run tum-rgbd:tum --camera camera.yaml --out out
+done
+
 # images: cut short, of another size, no image at all
 mkdir -p "$work/cut" "$work/text" "$work/scenes"
 printf '\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x20\0\0\0\x18\x08\0\0\0\0' >"$work/cut/1.png"
@@ -69,6 +90,11 @@ expect 3 "frame-000000.pose.txt:2|expected 4 numbers" run seven-scenes:scenes --
 
 # no frame where frames were asked for
 expect 3 "pictures|number 90 on" run video:pictures --camera camera.yaml --first-frame 90 --out out
+
+# names that cannot be ordered
+mkdir -p "$work/dates"
+for n in 235958 235959; do picture "$work/dates/IMG_20240131_$n.pgm"; done
+expect 3 "IMG_20240131_235958.pgm|date|rename" run video:dates --camera camera.yaml --out out
 
 if [ -e "$work/out" ]; then
   fail "a refused run left files in --out"

@@ -18,6 +18,23 @@ expect 2 "--fading '0.9'" turntable --experiment yaw10 --fading 0.9 --out out
 expect 2 "--condition 'fog'" turntable --experiment yaw10 --condition fog --out out
 expect 2 "--seeds" turntable --experiment yaw10 --seeds 0 --out out
 expect 2 "--corner-score" run starry-night:. --corner-score 20 --out out
+# options that the source would ignore, and numbers that are none
+for option in "--camera c.yaml" "--odometry o.csv" "--times t.csv" "--truth t.tum" "--profile plain"; do
+  expect 2 "${option%% *}: source 'hall-small' does not use it" run hall-small $option --out out
+done
+expect 2 "--odometry: source 'kitti' does not use it" run kitti:. --odometry o.csv --out out
+expect 2 "--odometry-noise: source 'video'" run video:. --odometry-noise s1 --out out
+expect 2 "--first-frame: source 'stress'" run stress:noise --first-frame 3 --out out
+expect 2 "--record: source 'mrclam'" run mrclam:.:1 --record r.log --out out
+expect 2 "--camera: source 'hall'" timing --camera c.yaml --out out
+expect 2 "--fading: only for --filter mono" run hall-small --max-frames 2 --fading 1.01 --out out
+expect 2 "--start-position-variance|--mode vehicle" \
+  run hall-small --mode handheld --start-position-variance 1 --max-frames 2 --out out
+for command in "run hall-small" "timing" "turntable --experiment yaw10" "faults" "consistency"; do
+  expect 2 "--seed|whole number from 0|'-3'" $command --seed -3 --out out
+done
+expect 2 "--budget-ms|above zero|'-1'" run hall-small --budget-ms -1 --out out
+expect 2 "--scale" run hall-small --scale 2 --out out
 expect 3 "gt_imu.csv" run starry-night:nowhere --out out
 expect 3 "nowhere" run tum-rgbd:nowhere --out out
 expect 0 "cairn|capacities|landmarks" info

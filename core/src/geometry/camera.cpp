@@ -3,6 +3,117 @@
 #include "cairn/numeric/math.hpp"
 
 namespace cairn {
+namespace {
+
+constexpr int kRadialSteps = 24;     // bisection alone would halve the bracket as often
+constexpr int kTangentialSteps = 4;  // Newton: tangential terms are small beside the radial ones
+constexpr int kBorderPoints = 8;     // corners and middles of the sides
+template <class T>
+constexpr T kLargestResidual_px = T(0.05);
+
+/// The radial part of the lens, d = r (1 + k1 r^2 + k2 r^4 + k3 r^6), out to its fold: the radius
+/// at which d begins to fall. Beyond it a pixel stands for two rays.
+template <class T>
+class RadialModel {
+ public:
+  explicit RadialModel(const PinholeCamera<T>& camera)
+      : k1_(camera.k1), k2_(camera.k2), k3_(camera.k3) {
+    // The slope dips lowest where its derivative by r^2 vanishes.
+    const T a = T(21) * k3_, b = T(10) * k2_, c = T(3) * k1_;
+    const T discriminant = b * b - T(4) * a * c;
+    if (!(discriminant >= T(0))) return;
+    const T sum = T(-0.5) * (b + (b < T(0) ? -sqrt(discriminant) : sqrt(discriminant)));
+    note_dip(c, sum);
+    note_dip(sum, a);
+  }
+
+  T factor(T r2) const { return T(1) + r2 * (k1_ + r2 * (k2_ + r2 * k3_)); }
+  T slope(T r2) const { return T(1) + r2 * (T(3) * k1_ + r2 * (T(5) * k2_ + r2 * T(7) * k3_)); }
+  bool is_before_fold(T r2) const { return r2 < fold_after_r2_ && slope(r2) > T(0); }
+
+  /// Radius with d(r) = `distorted`; false where the lens folds before it. Newton's method inside
+  /// a bracket.
+  bool invert(T distorted, T& r) const {
+    T low = T(0);
+    T high = T(0);
+    bool bracketed = false;  // high is set
+    r = distorted;
+    for (int i = 0; i < kRadialSteps; ++i) {
+      const T r2 = r * r;
+      T next = T(2) * r;
+      if (is_before_fold(r2)) {
+        const T excess = r * factor(r2) - distorted;
+        next = r - excess / slope(r2);
+        if (abs(next - r) <= kPrecision * r) return true;
+        (excess > T(0) ? high : low) = r;
+        bracketed = bracketed || excess > T(0);
+      } else {
+        high = r;
+        bracketed = true;
+      }
+      const bool inside = next > low && (!bracketed || next < high);
+      r = inside ? next : T(0.5) * (low + high);
+    }
+    return is_before_fold(r * r) && abs(r * factor(r * r) - distorted) <= T(1e-5) * distorted;
+  }
+
+ private:
+  static constexpr T kPrecision = sizeof(T) == sizeof(float) ? T(3e-7) : T(1e-13);
+
+  void note_dip(T numerator, T denominator) {
+    if (denominator == T(0)) return;
+    const T r2 = numerator / denominator;
+    if (r2 > T(0) && r2 < fold_after_r2_ && !(slope(r2) > T(0))) fold_after_r2_ = r2;
+  }
+
+  T k1_, k2_, k3_;
+  T fold_after_r2_ = T(1e6);  ///< the slope is not above zero here; rays beyond are sideways
+};
+
+/// Distorts (x, y) at depth 1, with the derivative. Says nothing about folds.
+template <class T>
+Vector2<T> distort(const PinholeCamera<T>& camera, T x, T y, Matrix2<T>& derivative) {
+  const T p1 = camera.p1, p2 = camera.p2;
+  const T r2 = x * x + y * y;
+  const T radial = T(1) + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3));
+  const T slope = camera.k1 + r2 * (T(2) * camera.k2 + r2 * T(3) * camera.k3);  // d radial / d r2
+  const T cross = T(2) * x * y * slope + T(2) * p1 * x + T(2) * p2 * y;
+  derivative(0, 0) = radial + T(2) * x * x * slope + T(2) * p1 * y + T(6) * p2 * x;
+  derivative(0, 1) = cross;
+  derivative(1, 0) = cross;
+  derivative(1, 1) = radial + T(2) * y * y * slope + T(6) * p1 * y + T(2) * p2 * x;
+  return {x * radial + T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x),
+          y * radial + p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y};
+}
+
+/// Whether (x, y) with x^2 + y^2 = r2 lies inside the lens's fold. Most points do by far.
+template <class T>
+bool is_before_fold(const PinholeCamera<T>& camera, T r2) {
+  const T most =
+      r2 * (T(3) * abs(camera.k1) + r2 * (T(5) * abs(camera.k2) + r2 * T(7) * abs(camera.k3)));
+  return most < T(1) || RadialModel<T>(camera).is_before_fold(r2);
+}
+
+/// Newton's method on both coordinates, from the ray of the radial part alone. False where it does
+/// not come within kLargestResidual_px.
+template <class T>
+bool add_tangential(const PinholeCamera<T>& camera, const Vector2<T>& distorted, Vector2<T>& ray) {
+  Matrix2<T> derivative;
+  for (int i = 0; i < kTangentialSteps; ++i) {
+    const Vector2<T> off = distorted - distort(camera, ray.x(), ray.y(), derivative);
+    const T determinant = derivative(0, 0) * derivative(1, 1) - derivative(0, 1) * derivative(1, 0);
+    if (!(determinant > T(0))) return false;
+    const T scale = T(1) / determinant;
+    ray.x() += scale * (derivative(1, 1) * off.x() - derivative(0, 1) * off.y());
+    ray.y() += scale * (derivative(0, 0) * off.y() - derivative(1, 0) * off.x());
+  }
+  const Vector2<T> off = distorted - distort(camera, ray.x(), ray.y(), derivative);
+  return abs(off.x()) * camera.fx <= kLargestResidual_px<T> &&
+         abs(off.y()) * camera.fy <= kLargestResidual_px<T> &&
+         is_before_fold(camera, ray.squaredNorm());
+}
+
+}  // namespace
 
 template <class T>
 Status PinholeCamera<T>::validate() const {
@@ -12,7 +123,18 @@ Status PinholeCamera<T>::validate() const {
   }
   const bool good = fx > T(0) && fy > T(0) && width > 0 && height > 0 && cx >= T(0) && cy >= T(0) &&
                     cx < static_cast<T>(width) && cy < static_cast<T>(height);
-  return good ? Status::kOk : Status::kBadConfig;
+  if (!good) return Status::kBadConfig;
+  if (!has_distortion()) return Status::kOk;
+  const T right = static_cast<T>(width - 1);
+  const T bottom = static_cast<T>(height - 1);
+  const Vector2<T> border[kBorderPoints] = {{T(0), T(0)},    {right, T(0)}, {T(0), bottom},
+                                            {right, bottom}, {cx, T(0)},    {cx, bottom},
+                                            {T(0), cy},      {right, cy}};
+  for (const Vector2<T>& pixel : border) {
+    Vector3<T> ray;
+    if (!ok(unproject(pixel, ray))) return Status::kBadConfig;
+  }
+  return Status::kOk;
 }
 
 template <class T>
@@ -30,22 +152,12 @@ Status PinholeCamera<T>::project(const Vector3<T>& p_camera, Vector2<T>& pixel,
   const T x = p_camera.x() * inverse_z;
   const T y = p_camera.y() * inverse_z;
   Matrix2<T> distortion = Matrix2<T>::Identity();  // d distorted / d (x, y)
-  T xd = x;
-  T yd = y;
+  Vector2<T> distorted(x, y);
   if (has_distortion()) {
-    const T r2 = x * x + y * y;
-    const T radial = T(1) + r2 * (k1 + r2 * (k2 + r2 * k3));
-    const T slope = k1 + r2 * (T(2) * k2 + r2 * T(3) * k3);  // d radial / d r2
-    if (!(radial + T(2) * r2 * slope > T(0)) || !(radial > T(0))) return Status::kOutOfView;
-    xd = x * radial + T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x);
-    yd = y * radial + p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y;
-    const T cross = T(2) * x * y * slope + T(2) * p1 * x + T(2) * p2 * y;
-    distortion(0, 0) = radial + T(2) * x * x * slope + T(2) * p1 * y + T(6) * p2 * x;
-    distortion(0, 1) = cross;
-    distortion(1, 0) = cross;
-    distortion(1, 1) = radial + T(2) * y * y * slope + T(6) * p1 * y + T(2) * p2 * x;
+    if (!is_before_fold(*this, x * x + y * y)) return Status::kOutOfView;
+    distorted = distort(*this, x, y, distortion);
   }
-  pixel = Vector2<T>(fx * xd + cx, fy * yd + cy);
+  pixel = Vector2<T>(fx * distorted.x() + cx, fy * distorted.y() + cy);
   for (int c = 0; c < 2; ++c) {
     const T focal = c == 0 ? fx : fy;
     const T dx = focal * distortion(c, 0) * inverse_z;
@@ -58,23 +170,24 @@ Status PinholeCamera<T>::project(const Vector3<T>& p_camera, Vector2<T>& pixel,
 }
 
 template <class T>
+Status PinholeCamera<T>::unproject(const Vector2<T>& pixel, Vector3<T>& ray) const {
+  const Vector2<T> distorted((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
+  ray = {distorted.x(), distorted.y(), T(1)};
+  const T radius = sqrt(distorted.squaredNorm());
+  if (!has_distortion() || radius == T(0)) return Status::kOk;
+  T r = radius;
+  bool found = RadialModel<T>(*this).invert(radius, r);
+  Vector2<T> flat = distorted * (r / radius);
+  if (found && (p1 != T(0) || p2 != T(0))) found = add_tangential(*this, distorted, flat);
+  ray = {flat.x(), flat.y(), T(1)};
+  return found ? Status::kOk : Status::kOutOfView;
+}
+
+template <class T>
 Vector3<T> PinholeCamera<T>::unproject(const Vector2<T>& pixel) const {
-  const T xd = (pixel.x() - cx) / fx;
-  const T yd = (pixel.y() - cy) / fy;
-  T x = xd;
-  T y = yd;
-  if (has_distortion()) {
-    for (int i = 0; i < kUndistortSteps; ++i) {
-      const T r2 = x * x + y * y;
-      const T radial = T(1) + r2 * (k1 + r2 * (k2 + r2 * k3));
-      const T inverse = radial > T(0.1) ? T(1) / radial : T(10);
-      const T dx = T(2) * p1 * x * y + p2 * (r2 + T(2) * x * x);
-      const T dy = p1 * (r2 + T(2) * y * y) + T(2) * p2 * x * y;
-      x = (xd - dx) * inverse;
-      y = (yd - dy) * inverse;
-    }
-  }
-  return {x, y, T(1)};
+  Vector3<T> ray;
+  static_cast<void>(unproject(pixel, ray));
+  return ray;
 }
 
 template struct PinholeCamera<float>;

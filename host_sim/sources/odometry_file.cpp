@@ -1,0 +1,87 @@
+#include "host_sim/sources/odometry_file.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "host_sim/io/csv_units.hpp"
+#include "host_sim/io/input_error.hpp"
+
+namespace cairn::host {
+namespace {
+
+constexpr double kSpeedSigma_mps = 0.1;  // assumed: the file states no noise
+constexpr double kYawRateSigma_radps = 0.05;
+constexpr double kSteeringSigma_rad = 0.087;
+
+constexpr double kLargestSpeed_mps = 100.0;
+constexpr double kLargestYawRate_radps = 10.0;
+constexpr double kLargestSteering_rad = 1.4;  // what the filters take
+constexpr double kLargestWheelbase_m = 20.0;
+
+/// A value within [-largest, largest]; throws InputError naming line, column and the domain.
+double within(const CsvReader& csv, const QuantityColumn& column, double largest,
+              const char* what) {
+  const double value = column.value(csv);
+  if (std::abs(value) <= largest) return value;
+  csv.fail(column.index,
+           fmt::format("expected {} of at most {} either way, found {:.6g}", what, largest, value));
+}
+
+double wheelbase(const CsvReader& csv, const QuantityColumn& column, double before) {
+  const double value = column.value(csv);
+  if (!(value > 0.0 && value <= kLargestWheelbase_m)) {
+    csv.fail(column.index, fmt::format("expected a length above 0 and at most {} m, found {:.6g}",
+                                       kLargestWheelbase_m, value));
+  }
+  if (before > 0.0 && value != before) {
+    csv.fail(column.index, fmt::format("expected the same wheelbase in every row, found {:.6g} "
+                                       "after {:.6g}",
+                                       value, before));
+  }
+  return value;
+}
+
+void check_order(const CsvReader& csv, const std::vector<OdometrySample>& samples,
+                 std::int64_t t_us) {
+  if (samples.empty() || t_us > samples.back().t_us) return;
+  throw InputError(csv.path(), csv.line(),
+                   fmt::format("expected times in increasing order, found {:.6f} s after {:.6f} s",
+                               1e-6 * static_cast<double>(t_us),
+                               1e-6 * static_cast<double>(samples.back().t_us)));
+}
+
+}  // namespace
+
+OdometryFile read_odometry(const std::filesystem::path& path) {
+  CsvReader csv(path);
+  const bool twist = has_quantity(csv, kYawRate);
+  const TimeColumn time(csv);
+  const QuantityColumn speed = find_quantity(csv, kSpeed);
+  const QuantityColumn turn = find_quantity(csv, twist ? kYawRate : kSteering);
+  const QuantityColumn length = twist ? QuantityColumn{} : find_quantity(csv, kWheelbase);
+  OdometryFile odometry;
+  OdometryModel& model = odometry.model;
+  model.kind = twist ? OdometrySample::Kind::kTwist : OdometrySample::Kind::kAckermann;
+  model.speed_sigma_mps = kSpeedSigma_mps;
+  model.turn_sigma = twist ? kYawRateSigma_radps : kSteeringSigma_rad;
+  while (csv.next()) {
+    OdometrySample sample;
+    sample.t_us = time.t_us(csv);
+    check_order(csv, odometry.samples, sample.t_us);
+    sample.kind = model.kind;
+    sample.speed_mps = static_cast<float>(within(csv, speed, kLargestSpeed_mps, "a speed in m/s"));
+    sample.turn =
+        static_cast<float>(twist ? within(csv, turn, kLargestYawRate_radps, "a yaw rate in rad/s")
+                                 : within(csv, turn, kLargestSteering_rad, "an angle in rad"));
+    if (!twist) model.wheelbase_m = wheelbase(csv, length, model.wheelbase_m);
+    odometry.samples.push_back(sample);
+  }
+  if (odometry.samples.size() < 2) throw InputError(path, "expected two or more odometry rows");
+  const auto span =
+      static_cast<double>(odometry.samples.back().t_us - odometry.samples.front().t_us);
+  model.period_s = 1e-6 * span / static_cast<double>(odometry.samples.size() - 1);
+  return odometry;
+}
+
+}  // namespace cairn::host

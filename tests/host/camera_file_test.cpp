@@ -1,0 +1,380 @@
+#include "host_sim/io/camera_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "input_messages.hpp"
+#include "temporary_folder.hpp"
+
+namespace cairn::host {
+namespace {
+
+std::string replaced(std::string text, const std::string& part, const std::string& by) {
+  const std::size_t at = text.find(part);
+  EXPECT_NE(at, std::string::npos) << part;
+  return text.replace(at, part.size(), by);
+}
+
+std::string problem_of(const TemporaryFolder& folder, const std::string& text,
+                       const std::string& name = "cam.yaml") {
+  return message_of([&] { read_camera_file(folder.write(name, text)); });
+}
+
+// The same camera in every format.
+constexpr const char* kOpenCv = R"(%YAML:1.0
+---
+calibration_time: "Mon 01 Jan 2024"
+image_width: 640
+image_height: 480
+flags: 0
+fisheye_model: 0
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 5.1e+02, 0., 3.2e+02, 0., 5.2e+02, 2.4e+02, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 5
+   cols: 1
+   dt: d
+   data: [ 0.1, -0.2, 0.001, -0.002, 0. ]
+avg_reprojection_error: 0.2
+)";
+
+constexpr const char* kOpenCvXml = R"(<?xml version="1.0"?>
+<opencv_storage>
+<image_width>640</image_width>
+<image_height>480</image_height>
+<camera_matrix type_id="opencv-matrix">
+  <rows>3</rows><cols>3</cols><dt>d</dt>
+  <data>510. 0. 320. 0. 520. 240. 0. 0. 1.</data></camera_matrix>
+<distortion_coefficients type_id="opencv-matrix">
+  <rows>1</rows><cols>5</cols><dt>d</dt>
+  <data>0.1 -0.2 0.001 -0.002 0.</data></distortion_coefficients>
+</opencv_storage>
+)";
+
+constexpr const char* kOpenCvJson = R"({
+	"image_width": 640,
+	"image_height": 480,
+	"camera_matrix": {
+		"type_id": "opencv-matrix", "rows": 3, "cols": 3, "dt": "d",
+		"data": [ 510.0, 0.0, 320.0, 0.0, 520.0, 240.0, 0.0, 0.0, 1.0 ]
+	},
+	"distortion_coefficients": {
+		"type_id": "opencv-matrix", "rows": 1, "cols": 4, "dt": "d",
+		"data": [ 0.1, -0.2, 0.001, -0.002 ]
+	}
+})";
+
+constexpr const char* kPython =
+    R"({"image_width": 640, "image_height": 480, "dist_coeff": [[0.1, -0.2, 0.001, -0.002, 0.0]],
+    "camera_matrix": [[510.0, 0.0, 320.0], [0.0, 520.0, 240.0], [0.0, 0.0, 1.0]]})";
+
+constexpr const char* kRos = R"(image_width: 640
+image_height: 480
+camera_name: front
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [510, 0, 320, 0, 520, 240, 0, 0, 1]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [0.1, -0.2, 0.001, -0.002, 0]
+)";
+
+constexpr const char* kRosTopic = R"(header:
+  seq: 3
+  frame_id: "camera"
+height: 480
+width: 640
+distortion_model: "plumb_bob"
+D: [0.1, -0.2, 0.001, -0.002, 0.0]
+K: [510.0, 0.0, 320.0, 0.0, 520.0, 240.0, 0.0, 0.0, 1.0]
+R: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+P: [500.0, 0.0, 321.0, 0.0, 0.0, 510.0, 241.0, 0.0, 0.0, 0.0, 1.0, 0.0]
+binning_x: 0
+binning_y: 0
+roi:
+  x_offset: 0
+  y_offset: 0
+  height: 480
+  width: 640
+  do_rectify: False
+---
+)";
+
+constexpr const char* kKalibr = R"(cam0:
+  camera_model: pinhole
+  distortion_model: radtan
+  distortion_coeffs: [0.1, -0.2, 0.001, -0.002]
+  intrinsics: [510, 520, 320, 240]
+  resolution: [640, 480]
+cam1:
+  camera_model: omni
+  distortion_model: equidistant
+  distortion_coeffs: [1, 1, 1, 1]
+)";
+
+constexpr const char* kEuroc = R"(sensor_type: camera
+comment: VI-Sensor cam0 (MT9M034)
+T_BS:
+  cols: 4
+  rows: 4
+  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
+rate_hz: 20
+resolution: [640, 480]
+camera_model: pinhole
+intrinsics: [510, 520, 320, 240] #fu, fv, cu, cv
+distortion_model: radial-tangential
+distortion_coefficients: [0.1, -0.2, 0.001, -0.002]
+)";
+
+constexpr const char* kOrbSlam2 =
+    "%YAML:1.0\nCamera.fx: 510\nCamera.fy: 520\nCamera.cx: 320\nCamera.cy: 240\n"
+    "Camera.k1: 0.1\nCamera.k2: -0.2\nCamera.p1: 0.001\nCamera.p2: -0.002\n"
+    "Camera.width: 640\nCamera.height: 480\nCamera.fps: 30.0\nORBextractor.nLevels: 8\n";
+
+constexpr const char* kOrbSlam3 =
+    "%YAML:1.0\nFile.version: \"1.0\"\nCamera.type: \"PinHole\"\nCamera1.fx: 510\n"
+    "Camera1.fy: 520\nCamera1.cx: 320\nCamera1.cy: 240\nCamera1.k1: 0.1\nCamera1.k2: -0.2\n"
+    "Camera1.p1: 0.001\nCamera1.p2: -0.002\nCamera2.fx: 9\nCamera2.k1: 5\nCamera.width: 640\n"
+    "Camera.height: 480\nCamera.newWidth: 600\n";
+
+constexpr const char* kVins = R"(%YAML:1.0
+---
+model_type: PINHOLE
+camera_name: camera
+image_width: 640
+image_height: 480
+distortion_parameters:
+   k1: 0.1
+   k2: -0.2
+   p1: 0.001
+   p2: -0.002
+projection_parameters:
+   fx: 510
+   fy: 520
+   cx: 320
+   cy: 240
+)";
+
+constexpr const char* kBasalt = R"({"value0": {
+  "T_imu_cam": [{"px": 0, "py": 0, "pz": 0, "qx": 0, "qy": 0, "qz": 0, "qw": 1}],
+  "intrinsics": [{"camera_type": "pinhole-radtan8", "intrinsics": {
+    "fx": 510, "fy": 520, "cx": 320, "cy": 240, "k1": 0.1, "k2": -0.2, "p1": 0.001, "p2": -0.002,
+    "k3": 0, "k4": 0, "k5": 0, "k6": 0, "rpmax": 2.5}}],
+  "resolution": [[640, 480]]}})";
+
+constexpr const char* kColmap =
+    "# Camera list with one line of data per camera:\n"
+    "#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"
+    "1 OPENCV 640 480 510 520 320.5 240.5 0.1 -0.2 0.001 -0.002\n";
+
+TEST(CameraFile, ReadsEveryFormatAndEveryCoefficient) {
+  const TemporaryFolder folder;
+  for (const char* text : {kOpenCv, kOpenCvXml, kOpenCvJson, kPython, kRos, kRosTopic, kKalibr,
+                           kEuroc, kOrbSlam2, kOrbSlam3, kVins, kBasalt, kColmap}) {
+    PinholeCamera<double> c;
+    ASSERT_NO_THROW(c = read_camera_file(folder.write("c.yaml", text)).camera) << text;
+    EXPECT_EQ(c.fx, 510.0) << text;
+    EXPECT_EQ(c.fy, 520.0) << text;
+    EXPECT_EQ(c.cx, 320.0) << text;
+    EXPECT_EQ(c.cy, 240.0) << text;
+    EXPECT_EQ(c.k1, 0.1) << text;
+    EXPECT_EQ(c.k2, -0.2) << text;
+    EXPECT_EQ(c.p1, 0.001) << text;
+    EXPECT_EQ(c.p2, -0.002) << text;
+    EXPECT_EQ(c.k3, 0.0) << text;
+    EXPECT_EQ(c.width, 640) << text;
+    EXPECT_EQ(c.height, 480) << text;
+  }
+}
+
+TEST(CameraFile, ReadsTheThirdRadialCoefficient) {
+  const TemporaryFolder folder;
+  const auto k3 = [&](const std::string& text) {
+    return read_camera_file(folder.write("c.yaml", text)).camera.k3;
+  };
+  EXPECT_EQ(k3(replaced(kOpenCv, "-0.002, 0. ]", "-0.002, 0.05 ]")), 0.05);
+  EXPECT_EQ(k3(std::string(kOrbSlam2) + "Camera.k3: 0.05\n"), 0.05);
+  EXPECT_EQ(k3(std::string(kOrbSlam3) + "Camera1.k3: 0.05\n"), 0.05);
+  EXPECT_EQ(k3(replaced(kBasalt, "\"k3\": 0", "\"k3\": 0.05")), 0.05);
+}
+
+TEST(CameraFile, RefusesEveryOtherLensModelByName) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const char* text, const std::string& part, const std::string& by) {
+    return problem_of(folder, replaced(text, part, by));
+  };
+  EXPECT_TRUE(says(problem(kOrbSlam3, "PinHole", "KannalaBrandt8"),
+                   {"'Camera.type'", "KannalaBrandt8", "pinhole"}));
+  EXPECT_TRUE(says(problem(kOpenCv, "fisheye_model: 0", "fisheye_model: 1"), {"'fisheye_model'"}));
+  EXPECT_TRUE(
+      says(problem(kRos, "plumb_bob", "equidistant"), {"'distortion_model'", "equidistant"}));
+  EXPECT_TRUE(
+      says(problem(kKalibr, "radtan", "equidistant"), {"'cam0.distortion_model'", "equidistant"}));
+  EXPECT_TRUE(says(problem(kKalibr, "pinhole", "ds"), {"'cam0.camera_model'", "'ds'"}));
+  EXPECT_TRUE(says(problem(kEuroc, "radial-tangential", "fov"), {"'distortion_model'", "fov"}));
+  EXPECT_TRUE(says(problem(kVins, "PINHOLE", "MEI"), {"'model_type'", "MEI"}));
+  EXPECT_TRUE(says(problem(kBasalt, "pinhole-radtan8", "kb4"), {"camera_type'", "kb4"}));
+  EXPECT_TRUE(says(problem(kColmap, "OPENCV", "OPENCV_FISHEYE"), {"cam.yaml:3", "OPENCV_FISHEYE"}));
+}
+
+TEST(CameraFile, NoCoefficientIsDropped) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const std::string& text) { return problem_of(folder, text); };
+  const std::string plain = "fx: 510\nfy: 520\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
+  EXPECT_EQ(problem(plain + "k4: 0\nk5: 0.0\n"), "no error");
+  EXPECT_TRUE(says(problem(plain + "k4: 0.1\n"), {"'k4'", "not read"}));
+  EXPECT_TRUE(says(problem(plain + "xi: 1.2\n"), {"'xi'", "not read"}));
+  EXPECT_TRUE(says(problem(plain + "alpha: 0.6\n"), {"'alpha'"}));
+  EXPECT_TRUE(says(problem(plain + "skew: 0.6\n"), {"'skew'"}));
+  EXPECT_TRUE(says(problem(plain + "lens_distortion: {k1: 0.1}\n"), {"'lens_distortion'"}));
+  EXPECT_TRUE(says(problem(std::string(kOrbSlam2) + "Camera.k4: -0.2\n"), {"'Camera.k4'"}));
+  EXPECT_TRUE(says(problem(std::string(kOrbSlam3) + "Camera1.k4: -0.2\n"), {"'Camera1.k4'"}));
+  EXPECT_TRUE(says(problem(std::string(kRos) + "binning_x: 2\n"), {"'binning_x'"}));
+  EXPECT_TRUE(says(problem(std::string(kRos) + "roi: {x_offset: 40}\n"),
+                   {"'roi.x_offset'", "whole picture"}));
+  EXPECT_TRUE(says(problem(std::string(kOpenCv) + "D: [0.1, 0, 0, 0]\n"), {"'D'", "both"}));
+  EXPECT_TRUE(says(problem(replaced(kPython, "dist_coeff", "distCoeffs1")), {"'distCoeffs1'"}));
+  EXPECT_TRUE(says(problem(replaced(kOpenCv, "-0.002, 0. ]", "-0.002, 0., 0.3, 0., 0. ]")),
+                   {"'distortion_coefficients'", "k1 k2 p1 p2 k3 alone"}));
+  EXPECT_TRUE(says(problem(replaced(kOpenCv, "0.1, -0.2, 0.001, -0.002, 0. ]", "0.1, -0.2 ]")),
+                   {"'distortion_coefficients'", "found 2"}));
+  EXPECT_TRUE(says(problem(replaced(kEuroc, "distortion_coefficients", "coefficients")),
+                   {"'distortion_coefficients'", "missing"}));
+  EXPECT_TRUE(says(problem(replaced(kEuroc, "radial-tangential", "none")),
+                   {"'distortion_coefficients'", "no coefficients"}));
+  EXPECT_TRUE(says(problem(replaced(kBasalt, "\"k5\": 0", "\"k5\": 0.1")), {"k5"}));
+  EXPECT_TRUE(says(problem(std::string(kColmap) + "2 PINHOLE 640 480 510 520 320 240\n"),
+                   {"cam.yaml:4", "one camera"}));
+}
+
+TEST(CameraFile, ChecksTheCameraMatrix) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const std::string& matrix) {
+    return problem_of(folder, "image_width: 640\nimage_height: 480\nK: " + matrix + "\n");
+  };
+  EXPECT_EQ(problem("[525, 1e-14, 308, 0, 524, 236, 0, 0, 1]"), "no error");
+  EXPECT_TRUE(says(problem("[525, 0, 0, 0, 524, 0, 308, 236, 1]"), {"'K'", "column by column"}));
+  EXPECT_TRUE(says(problem("[[525, 0, 0], [0, 524, 0], [308, 236, 1]]"), {"column by column"}));
+  EXPECT_TRUE(says(problem("[525, 31, 308, 0, 524, 236, 0, 0, 1]"), {"'K'", "skew", "31"}));
+  EXPECT_TRUE(says(problem("[525, 0, 308, 0, 524, 236, 0, 0, 0]"), {"'K'", "last row"}));
+  EXPECT_TRUE(says(problem("[525, 0, 308, 2, 524, 236, 0, 0, 1]"), {"'K'", "found 2"}));
+  EXPECT_TRUE(says(problem("[-525, 0, 308, 0, 524, 236, 0, 0, 1]"), {"'K'", "above zero"}));
+  EXPECT_TRUE(says(problem("[525, 0, 308, 0, 0, 524, 236, 0, 0, 0, 1, 0]"), {"'K'", "3x3"}));
+  EXPECT_TRUE(says(problem("{rows: 1, cols: 9, data: [525, 0, 308, 0, 524, 236, 0, 0, 1]}"),
+                   {"'K'", "3x3"}));
+  EXPECT_TRUE(says(problem("[525, 0, 308, 0, .nan, 236, 0, 0, 1]"), {"'K'", "'.nan'"}));
+  EXPECT_TRUE(says(problem("[525, 0, 1308, 0, 524, 236, 0, 0, 1]"), {"principal point", "1308"}));
+}
+
+TEST(CameraFile, RefusesACameraThatCannotBeMeant) {
+  const TemporaryFolder folder;
+  const auto problem = [&](double f, double c, const std::string& more) {
+    const std::string focal = std::to_string(f), centre = std::to_string(c);
+    return problem_of(folder, "fx: " + focal + "\nfy: " + focal + "\ncx: " + centre +
+                                  "\ncy: " + centre + "\nwidth: 640\nheight: 480\n" + more);
+  };
+  EXPECT_EQ(problem(500, 240, ""), "no error");
+  EXPECT_TRUE(says(problem(0.82, 0.48, ""), {"in pixels", "0.82"}));
+  EXPECT_TRUE(says(problem(3.6, 240, ""), {"in pixels", "3.6"}));
+  EXPECT_TRUE(says(problem(5e5, 240, ""), {"in pixels"}));
+  EXPECT_TRUE(says(problem(500, 240, "p1: -0.047\n"), {"tangential", "-0.047", "fisheye"}));
+  EXPECT_TRUE(says(problem(300, 240, "k1: -0.3\n"), {"folds back at pixel", "k1 -0.3"}));
+  EXPECT_TRUE(says(problem_of(folder, "fx: 50\nfy: 50\ncx: 8\ncy: 8\nwidth: 50000\nheight: 480\n"),
+                   {"'width'", "16 to 16384", "50000"}));
+}
+
+TEST(CameraFile, TheFoldIsNamedByItsPixel) {
+  const TemporaryFolder folder;
+  const std::string problem =
+      problem_of(folder, "fx: 300\nfy: 300\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\nk1: -0.3\n");
+  // r (1 - 0.3 r^2) is largest at r = 1 / sqrt(0.9), 0.7027: 210.8 px from the principal point.
+  EXPECT_TRUE(says(problem, {"pixel (151, 113)"}));
+}
+
+TEST(CameraFile, NamesTheKeyThatIsMissingOrWrong) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const std::string& text) { return problem_of(folder, text); };
+  EXPECT_TRUE(says(problem(replaced(kOrbSlam2, "Camera.fx: 510\n", "")),
+                   {"cam.yaml", "Camera.fx", "missing", "focal length"}));
+  EXPECT_TRUE(says(problem(replaced(kOrbSlam2, "Camera.width: 640\n", "")),
+                   {"cam.yaml", "Camera.width", "missing"}));
+  EXPECT_TRUE(says(problem(replaced(kKalibr, "  intrinsics: [510, 520, 320, 240]\n", "")),
+                   {"cam.yaml", "cam0.intrinsics", "missing"}));
+  EXPECT_TRUE(says(problem("image_width: 640\nimage_height: 480\n"),
+                   {"cam.yaml", "camera_matrix", "missing", "focal length"}));
+  EXPECT_TRUE(says(problem(replaced(kOpenCv, "5.1e+02,", "")), {"'camera_matrix'", "3x3"}));
+  EXPECT_TRUE(says(problem(replaced(kOrbSlam2, "Camera.fx: 510", "Camera.fx: 510,5")),
+                   {"'Camera.fx'", "'510,5'"}));
+  EXPECT_TRUE(says(problem(std::string(kRos) + "fx: 500\n"), {"'fx'", "one calibration"}));
+  EXPECT_TRUE(says(problem(std::string(kRos) + "width: 641\n"), {"both"}));
+  EXPECT_TRUE(says(problem("<a><b>1</b></a>"), {"cam.yaml", "opencv_storage"}));
+}
+
+TEST(CameraFile, BrokenAndHostileFilesAreRefusedByLine) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const std::string& text) { return problem_of(folder, text); };
+  EXPECT_TRUE(says(problem("a: [1, 2\nb: 3\n"), {"cam.yaml:", "expected YAML"}));
+  EXPECT_TRUE(says(problem("fx: 1\nfy: 2\nfx: 3\n"), {"cam.yaml:3", "'fx'", "again"}));
+  EXPECT_TRUE(says(problem("fx: 1\n---\nfx: 2\n"), {"cam.yaml", "one YAML document"}));
+  EXPECT_TRUE(says(problem("a: &a [x]\nb: *a\n"), {"cam.yaml:2", "alias"}));
+  EXPECT_TRUE(says(problem("just words\n"), {"cam.yaml", "keys and values"}));
+  EXPECT_TRUE(says(problem(""), {"cam.yaml", "keys and values"}));
+  EXPECT_TRUE(says(problem(std::string("fx: 1\0", 6)), {"zero byte"}));
+  std::string deep = "a: ";
+  for (int i = 0; i < 40; ++i) deep += "[1,";
+  deep += std::string(40, ']');
+  EXPECT_TRUE(says(problem(deep), {"cam.yaml:1", "32 levels"}));
+  EXPECT_TRUE(says(problem(std::string(100000, '[')), {"cam.yaml:1", "expected"}));
+  std::string xml;
+  for (int i = 0; i < 50000; ++i) xml += "<a>";
+  EXPECT_TRUE(says(problem("<?xml version=\"1.0\"?>" + xml), {"32 levels"}));
+  std::string many = "a: [";
+  for (int i = 0; i < 600000; ++i) many += "1,";
+  EXPECT_TRUE(says(problem(many), {"500000 values"}));
+  EXPECT_TRUE(says(problem(std::string(9 << 20, '#')), {"at most 8388608 bytes"}));
+}
+
+TEST(CameraFile, ReadsTheMountingAndChecksIt) {
+  const TemporaryFolder folder;
+  const auto with = [](const std::string& mounting) {
+    return std::string(kKalibr) + "T_vehicle_camera: " + mounting + "\n";
+  };
+  const CameraFile file = read_camera_file(
+      folder.write("c.yaml", with("[[0,0,1,0.35],[-1,0,0,0],[0,-1,0,1],[0,0,0,1]]")));
+  ASSERT_TRUE(file.T_vehicle_camera.has_value());
+  EXPECT_NEAR((*file.T_vehicle_camera * Vector3<double>(0, 0, 1)).x(), 1.35, 1e-12);
+  EXPECT_TRUE(says(problem_of(folder, with("[0,0,1,0.35,-1,0,0,0,0,-1,0,1]")),
+                   {"'T_vehicle_camera'", "4x4"}));
+  EXPECT_TRUE(says(problem_of(folder, with("[0,0,2,0.35,-1,0,0,0,0,-1,0,1,0,0,0,1]")),
+                   {"'T_vehicle_camera'", "rotation"}));
+  EXPECT_TRUE(says(problem_of(folder, with("[0,-1,0,0,0,0,-1,0,1,0,0,0,0.35,0,1,1]")),
+                   {"'T_vehicle_camera'", "last row"}));
+}
+
+TEST(CameraFile, SensorDistortionOfOpenEkfMonoSlamIsConverted) {
+  const TemporaryFolder folder;
+  const PinholeCamera<double> c =
+      read_camera_file(folder.write("config.yml",
+                                    "%YAML:1.0\nRunConfiguration:\n  CameraCalibration: \"S3\"\n"
+                                    "CameraCalibration:\n  S3:\n    PixelsX: \"640\"\n"
+                                    "    PixelsY: \"480\"\n    FX: \"525\"\n    FY: \"524\"\n"
+                                    "    K1: \"-7.613e-003\"\n    K2: \"9.388e-004\"\n"
+                                    "    CX: \"308.6\"\n    CY: \"236.5\"\n    DX: \"0.00702\"\n"))
+          .camera;
+  for (const double r_px : {50.0, 150.0, 250.0, 350.0}) {
+    const double rd_mm = r_px * 0.00702;
+    const double square = rd_mm * rd_mm;
+    const double undistorted = r_px / c.fx * (1.0 - 7.613e-3 * square + 9.388e-4 * square * square);
+    Vector2<double> pixel;
+    ASSERT_TRUE(ok(c.project({undistorted, 0.0, 1.0}, pixel)));
+    EXPECT_NEAR(pixel.x() - c.cx, r_px, 0.6) << r_px;
+  }
+}
+
+}  // namespace
+}  // namespace cairn::host
