@@ -102,8 +102,8 @@ RULES = [
     (r"vision/freak", r".*Bytes.*", "16"),
     (r"vision/freak", r".*", "48"),
     (r"vision/hamming", r".*", "kMaxCorners"),
-    (r"vision/lanes", r".*height.*", "kWindow"),
-    (r"vision/lanes", r".*", "kWindow"),
+    (r"vision/(vector_)?lanes", r".*height.*", "kWindow"),
+    (r"vision/(vector_)?lanes", r".*", "kWindow"),
     (r"vision/(detail/)?patch", r".*bits.*|.*bit.*|.*shift.*", "64"),
     (r"vision/(detail/)?patch", r".*", "kPatchSide + 4"),
 ]
