@@ -14,6 +14,21 @@ using test::GuardedImage;
 using test::look_at;
 using test::small_camera;
 
+/// Box of a size in m, standing on z = 0 about the origin.
+Status make_box(const Vector3<float>& size_m, VirtualObject& object) {
+  const Vector2<float> h(0.5F * size_m.x(), 0.5F * size_m.y());
+  const Vector2<float> corners[4] = {
+      {-h.x(), -h.y()}, {h.x(), -h.y()}, {h.x(), h.y()}, {-h.x(), h.y()}};
+  PartRing rings[2];
+  rings[1].height_m = size_m.z();
+  ConvexPart part;
+  const Status status = make_ring_part(corners, 4, rings, 2, part);
+  if (!ok(status)) return status;
+  object.parts.clear();
+  object.parts.push_back(part);
+  return Status::kOk;
+}
+
 Rigid<float> random_pose(std::mt19937& engine, float reach) {
   std::uniform_real_distribution<float> u(-1, 1);
   const auto draw = [&] {

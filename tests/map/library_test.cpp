@@ -108,7 +108,7 @@ TEST(MapLibrary, AdmitsUntilFullThenReplacesTheLeastWorth) {
 
 TEST(MapLibrary, TiesAreSettledByIdWhateverTheOrderOfArrival) {
   std::vector<LandmarkId> order;
-  for (LandmarkId id = 1; id <= 24; ++id) order.push_back(id);
+  for (LandmarkId id = 2; id <= 48; id += 2) order.push_back(id);
   std::mt19937 engine(3);
   for (int run = 0; run < 20; ++run) {
     std::shuffle(order.begin(), order.end(), engine);
@@ -119,13 +119,11 @@ TEST(MapLibrary, TiesAreSettledByIdWhateverTheOrderOfArrival) {
     auto better = twin(maker, 90);
     better.sightings = 8;
     ASSERT_EQ(library.insert(better, health), Status::kOk);
-    EXPECT_LT(library.find(24), 0) << "of equals the youngest goes";
+    EXPECT_LT(library.find(48), 0) << "of equals the youngest goes";
     // Of equals, an older id gets in and a younger one does not.
-    EXPECT_EQ(library.insert(twin(maker, 80), health), Status::kFull);
-    ASSERT_TRUE(ok(library.remove(5)));
-    ASSERT_TRUE(ok(library.insert(twin(maker, 60), health)));
-    EXPECT_EQ(library.insert(twin(maker, 5), health), Status::kOk);
-    EXPECT_LT(library.find(60), 0);
+    EXPECT_EQ(library.insert(twin(maker, 47), health), Status::kFull);
+    EXPECT_EQ(library.insert(twin(maker, 45), health), Status::kOk);
+    EXPECT_LT(library.find(46), 0);
   }
 }
 
@@ -163,9 +161,7 @@ TEST(MapLibrary, BookkeepingSurvivesARandomLife) {
     } else if (!library.empty()) {
       const int slot = static_cast<int>(maker.bits() % static_cast<unsigned>(library.size()));
       auto l = library[slot];
-      if (action == 5) {
-        ASSERT_EQ(library.remove(l.id), Status::kOk);
-      } else if (action < 8) {
+      if (action < 8) {
         ASSERT_EQ(library.record(l.id, action == 6), Status::kOk);
       } else {
         l.p_map += 0.05F * maker.position(1);
@@ -203,7 +199,6 @@ TEST(MapLibrary, RefusesWhatCannotBeALandmark) {
   EXPECT_EQ(status_of([](auto& l) { l.views[0].T_map_reference.rotation.w() += 3; }), kInvalid);
   EXPECT_EQ(status_of([](auto& l) { l.views[0].T_map_reference.translation = l.p_map; }), kInvalid);
   EXPECT_EQ(library.update(good), Status::kNotFound);
-  EXPECT_EQ(library.remove(1), Status::kNotFound);
   EXPECT_EQ(library.record(1, true), Status::kNotFound);
   EXPECT_EQ(library.size(), 0);
   EXPECT_EQ(library.revision(), 0U);

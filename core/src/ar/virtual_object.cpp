@@ -173,18 +173,4 @@ Status make_cairn(float height_m, VirtualObject& object) {
   return Status::kOk;
 }
 
-Status make_box(const Vector3<float>& size_m, VirtualObject& object) {
-  const Vector2<float> h(0.5F * size_m.x(), 0.5F * size_m.y());
-  const Vector2<float> corners[4] = {
-      {-h.x(), -h.y()}, {h.x(), -h.y()}, {h.x(), h.y()}, {-h.x(), h.y()}};
-  const PartRing rings[2] = {{1.0F, 0.0F, Vector2<float>::Zero()},
-                             {1.0F, size_m.z(), Vector2<float>::Zero()}};
-  ConvexPart part;
-  const Status status = make_ring_part(corners, 4, rings, 2, part);
-  if (!ok(status)) return status;
-  object.parts.clear();
-  object.parts.push_back(part);
-  return Status::kOk;
-}
-
 }  // namespace cairn

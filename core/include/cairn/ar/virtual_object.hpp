@@ -60,7 +60,4 @@ Status make_ring_part(const Vector2<float>* corners, int corner_count, const Par
 /// it.
 Status make_cairn(float height_m, VirtualObject& object);
 
-/// Box of the given size (m), standing on z = 0 about the origin. kInvalidArgument as above.
-Status make_box(const Vector3<float>& size_m, VirtualObject& object);
-
 }  // namespace cairn
