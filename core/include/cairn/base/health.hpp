@@ -9,8 +9,8 @@ namespace cairn {
 /// snapshot.
 struct Health {
   std::uint32_t non_finite_inputs = 0;
-  std::uint32_t time_errors = 0;  ///< duplicate, backwards or too large a step
-  std::uint32_t frame_gaps = 0;   ///< frames that were expected and did not come
+  std::uint32_t time_errors = 0;        ///< duplicate, backwards or too large a step
+  std::uint32_t frame_gaps = 0;         ///< frames that were expected and did not come
   std::uint32_t odometry_refused = 0;   ///< readings outside their domain
   std::uint32_t odometry_glitches = 0;  ///< readings that changed faster than a vehicle can
   std::uint32_t odometry_timeouts = 0;  ///< steps in which the motion was unknown
@@ -32,7 +32,7 @@ struct Health {
   std::uint32_t resets = 0;
   std::uint32_t losses = 0;
   std::uint32_t landmarks_archived = 0;   ///< handed to the map builder
-  std::uint32_t landmarks_reentered = 0;  ///< taken back from the map library
+  std::uint32_t landmarks_reentered = 0;  ///< reactivated from the map library
   std::uint32_t map_messages_dropped = 0;
   std::uint32_t relocalisations = 0;
   std::uint32_t false_relocalisations_refused = 0;
