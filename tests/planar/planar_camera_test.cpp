@@ -362,8 +362,8 @@ TEST(PlanarRangeBearing, RowsAgreeWithDifferences) {
   }
 }
 
-/// The gauge: what the group filter thinks of the picture does not depend on how unsure it is of
-/// the absolute heading; the EKF's does.
+/// The gauge: in the group filter the map as seen from the vehicle does not depend on the variance
+/// of the absolute heading; in the EKF it does.
 TEST(PlanarCamera, GroupFilterKeepsTheGauge) {
   const auto relative_map = [](auto& filter, double heading_variance) {
     WorldSettings world = camera_world();
