@@ -13,7 +13,7 @@ has() { # FILE TEXT
   grep -qF -- "$2" "$work/$1" || { echo "FAIL: '$2' is not in $1"; failures=$((failures + 1)); }
 }
 
-# pictures that are larger than the tracker holds, either way round
+# pictures that are larger than the tracker holds, in width or height
 for size in "1920 1080 1280x720" "1080 1920 540x960"; do
   set -- $size
   mkdir -p "$work/large"

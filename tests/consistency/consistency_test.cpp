@@ -1,5 +1,5 @@
-// Paper A's experiment 4.1 with 50 runs a cell: fixed seed, chi-square bands. docs/reference/
-// consistency-results.md holds the same for 200 and 1,000 runs.
+// Paper A's experiment 4.1 with 50 runs a cell: fixed seed, chi-square bands.
+// docs/results/consistency.md holds the same for 200 and 1,000 runs.
 #include <string>
 #include <vector>
 

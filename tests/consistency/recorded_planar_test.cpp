@@ -93,7 +93,7 @@ TEST(LostInTheWoods, AlignedErrorDoesNotDependOnTheStart) {
   EXPECT_LE(group.position_mean_m, ekf.position_mean_m);
 }
 
-TEST(LostInTheWoods, TooTightAGateIsLeftAgain) {
+TEST(LostInTheWoods, RecoversFromATooTightGate) {
   const fs::path folder = data_folder("lost_in_the_woods");
   SKIP_WITHOUT(folder);
   const Recording recording = read_lost_in_the_woods(folder, RecordingProfile::kStated);
@@ -296,7 +296,7 @@ TEST(RecordedRun, TimesEveryScanWithTheOdometryBeforeIt) {
   }
 }
 
-TEST(RecordedRun, FindsItsWayBackAfterAJumpThatTheGateRefused) {
+TEST(RecordedRun, RecoversAfterAJumpThatTheGateRejected) {
   Recording recording = made_up_drive(12.0, 1.5);
   recording.noise.range_sigma_m = 0.03;
   RecordedRunOptions options;

@@ -12,7 +12,7 @@ Bytes of the replay images: tracker, virtual objects, port and replay program to
 `scripts/firmware.sh` measures and writes this page; `tests/footprint/budget.json` is what CI allows.
 
 Flash: code, constants and initial values. RAM: static data without stack and input frame; of it
-filter (state and covariance), map (landmarks and candidates) and vision (detector, search, scratch);
+filter (state and covariance), map (landmarks and seeds) and vision (detector, search, scratch);
 tracker is the object that holds them. Stack: deepest path of the call graph from `main`, and the
 painted high-water mark of the replays. Heap: none ([how that is held](no-heap.md)). Clang compiles for
 size ([why](../results/frame-cost.md#compilers)) and writes no call graph, so its stack is the painted one only.

@@ -146,7 +146,7 @@ TYPED_TEST(PoseRefinement, PriorHoldsWhatThePointsDoNotDetermine) {
   EXPECT_LT(estimate.rms_px, T(0.5));
   EXPECT_LT(pose_difference(start, pose).norm(), T(0.03));
 
-  options.prior_information *= T(1e5);  // a prior that is sure of itself does not move
+  options.prior_information *= T(1e5);  // a prior of small variance does not move
   pose = start;
   options.inlier_gate = T(1e9);
   ASSERT_EQ(refine(scene, observations, pose, estimate, options), Status::kOk);

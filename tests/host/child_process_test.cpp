@@ -7,7 +7,7 @@
 namespace cairn::host {
 namespace {
 
-/// What the child itself is told to do; the product starts no shell.
+/// The command line of the child itself; the product starts no shell.
 ChildEnd run_script(const std::string& script) {
   return run_child({"sh", "-c", script});
 }

@@ -79,7 +79,7 @@ TEST(PureRotation, IsNeverLostSilently) {
       ++tracked;
     }
     EXPECT_LT(worst_deg, 5.0) << "seed " << seed;
-    // It may be given up, but not at once: half of the way is followed.
+    // Tracking may be lost, but not at once: half of the rotation is tracked.
     EXPECT_GT(tracked, 40) << "seed " << seed;
     EXPECT_GT(turned_deg, 35.0) << "seed " << seed;
     RecordProperty("worst_deg", std::to_string(worst_deg));

@@ -9,7 +9,7 @@ namespace cairn::host {
 namespace {
 
 /// The aims hold for every condition (docs/results/turntable.md); the run here is the one
-/// that errs most, with a focal length 5 % too short.
+/// with the largest error, a focal length 5 % too short.
 TEST(RenderedTurntable, SeventyDegreesWithAWrongFocalLength) {
   TurntableConfig config;
   config.fading.clear();

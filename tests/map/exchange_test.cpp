@@ -8,7 +8,7 @@
 namespace cairn {
 namespace {
 
-/// A map whose every word tells its version: a torn copy shows.
+/// A map in which every word is its version: a torn copy has two of them.
 struct ProbeMap {
   static constexpr int kWords = 512;
   std::uint32_t words[kWords] = {};

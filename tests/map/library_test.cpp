@@ -16,7 +16,7 @@ using test::LandmarkMaker;
 using test::SmallConfig;
 using Library = MapLibrary<SmallConfig>;
 
-/// The same in every way but id and place: equal worth.
+/// Equal in all but id and place: equal retention scores.
 LibraryLandmark<float> twin(LandmarkMaker& maker, LandmarkId id) {
   auto l = maker.landmark(id);
   l.p_map = Vector3<float>(static_cast<float>(id), 0, 0);
@@ -79,7 +79,7 @@ TEST(LandmarkScore, CountersSaturateWithoutLosingTheirRatio) {
   EXPECT_EQ(l.sightings, 30001);
 }
 
-TEST(MapLibrary, AdmitsUntilFullThenReplacesTheLeastWorth) {
+TEST(MapLibrary, AFullLibraryReplacesTheLowestRetentionScore) {
   LandmarkMaker maker(2);
   Library library;
   Health health;

@@ -42,7 +42,7 @@ TEST(PredictView, RollOfTheCameraTurnsThePatternBack) {
   const auto camera = vga_camera<float>();
   for (int bin = 0; bin < 256; bin += 8) {
     const auto l = seen_from_origin(maker, 1, Vector3<float>(0.02F, 0.01F, 3.0F));
-    Rigid<float> pose;  // camera turned clockwise: the image turns the other way
+    Rigid<float> pose;  // camera turned clockwise: the image turns anticlockwise
     pose.rotation =
         rotation_exp(Vector3<float>(0, 0, kTwoPi<float> / 256 * static_cast<float>(bin)));
     ViewPrediction<float> p;
@@ -68,7 +68,7 @@ TEST(PredictView, ComingNearerRaisesTheScale) {
   EXPECT_EQ(predict_view(camera, pose, l.p_map, l.views[0], p), Status::kOutOfView);
 }
 
-TEST(FindVisible, GivesWhatAPoseShouldSeeMostWorthFirst) {
+TEST(FindVisible, GivesWhatAPoseShouldSeeHighestScoreFirst) {
   LandmarkMaker maker(4);
   const auto camera = vga_camera<float>();
   MapLibrary<SmallConfig> library;

@@ -40,7 +40,7 @@ TYPED_TEST(MonoEkfContract, RefusesImpossibleConfiguration) {
   EXPECT_EQ(filter.initialise(camera, {}), Status::kOk);
 }
 
-TYPED_TEST(MonoEkfContract, MotionNoiseCanBeChangedOnTheWay) {
+TYPED_TEST(MonoEkfContract, MotionNoiseCanBeChangedBetweenPredictions) {
   using T = TypeParam;
   MonoEkf<T, 8> filter;
   ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), {})));
@@ -182,7 +182,7 @@ TYPED_TEST(MonoEkfContract, FollowsATranslatingCamera) {
   EXPECT_GT(cosine, 0.99);
 }
 
-TYPED_TEST(MonoEkfContract, RemovalAndRebirthKeepsIdentities) {
+TYPED_TEST(MonoEkfContract, RemovedAndAddedFeaturesKeepTheirIdentities) {
   using T = TypeParam;
   using Filter = MonoEkf<TypeParam, 24>;
   MonoScene scene;

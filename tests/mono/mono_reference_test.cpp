@@ -38,8 +38,8 @@ class AgainstReference : public ::testing::Test {
     const int before = filter_.feature_count();
     scene_.add_features(filter_, before + count);
     ASSERT_EQ(filter_.feature_count(), before + count);
-    for (const auto& pixel : scene_.births()) reference_->add_feature(pixel);
-    scene_.clear_births();
+    for (const auto& pixel : scene_.added()) reference_->add_feature(pixel);
+    scene_.clear_added();
   }
 
   void step(int frame) {

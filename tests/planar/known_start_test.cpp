@@ -46,9 +46,9 @@ Outcome second_loop(const std::vector<Drive>& drives, const More&... more) {
   return out;
 }
 
-/// Paper A's experiment starts with a metre of doubt, which hides a defect: from a known start the
-/// additive updates of the lifted filter stretch its map and it grows overconfident. Exact moments
-/// cancel that in the mean, the exponential of the group form removes it.
+/// Paper A's experiment starts with a position sigma of a metre, which hides a defect: from a known
+/// start the additive updates of the lifted filter stretch its map and it grows overconfident.
+/// Exact moments cancel that in the mean, the exponential of the group form removes it.
 TEST(KnownStart, LiftedFilterDriftsAndTheGroupFormDoesNot) {
   WorldSettings s;
   s.position_variance = 1e-6;

@@ -28,8 +28,9 @@ class LandmarkOnPath : public ::testing::Test {
     }
   }
 
-  /// Covariance of the way since the remembered position, in the filter's error coordinates.
-  Matrix2<double> way_covariance() const {
+  /// Covariance of the displacement since the remembered position, in the filter's error
+  /// coordinates.
+  Matrix2<double> displacement_covariance() const {
     constexpr int kPosition = std::is_same_v<Filter, Group> ? 1 : 0;
     Matrix2<double> c;
     for (int i = 0; i < 2; ++i) {
@@ -67,17 +68,18 @@ TYPED_TEST(LandmarkOnPath, RemembersThePositionExactly) {
   }
 }
 
-TYPED_TEST(LandmarkOnPath, SharesTheErrorOfTheWay) {
-  // WHEN a landmark's distance is told by a way of half a metre straight ahead
+TYPED_TEST(LandmarkOnPath, SharesTheErrorOfTheDistanceTravelled) {
+  // WHEN a landmark is triangulated over half a metre straight ahead
   Matrix<double, 3, 2> by_path = Matrix<double, 3, 2>::Zero();
   by_path.col(0) = this->y_ / 0.5;
   ASSERT_TRUE(ok(this->filter_.add_landmark_on_path(kNew, this->y_, this->tiny_, kPast, by_path)));
-  // THEN its place relative to the vehicle errs as the way does, times six along x.
+  // THEN the error of its place relative to the vehicle is that of the half metre, times six along
+  // x.
   const double heading = this->filter_.mean_pose().heading;
   Matrix2<double> R;
   R << std::cos(heading), -std::sin(heading), std::sin(heading), std::cos(heading);
   const Matrix2<double> gain = R * by_path.topRows<2>() * R.transpose();
-  const Matrix2<double> expected = gain * this->way_covariance() * gain.transpose();
+  const Matrix2<double> expected = gain * this->displacement_covariance() * gain.transpose();
   constexpr bool kGroup = std::is_same_v<TypeParam, Group>;
   constexpr int kPosition = kGroup ? 1 : 0;
   const Vector3<double> p = this->filter_.mean_landmark(1);
@@ -126,7 +128,7 @@ TYPED_TEST(LandmarkOnPath, NeverReplacesARememberedPosition) {
   EXPECT_GE(this->filter_.find(kPast), 0);
 }
 
-/// A landmark known in the world is no surer of the vehicle's pose than before, and has its own
+/// A landmark known in the world does not change the pose's covariance, and has its own
 /// covariance whatever the heading's is.
 TYPED_TEST(LandmarkOnPath, ALandmarkOfTheWorldKeepsItsCovariance) {
   const Matrix3<double> own = Vector3<double>(0.04, 0.09, 0.01).asDiagonal();
@@ -153,7 +155,7 @@ TYPED_TEST(LandmarkOnPath, LandmarksOfOneMapShareTheErrorOfTheirReference) {
   EXPECT_EQ(this->filter_.add_world_landmark(72, {0, 0, 0}, own, 99), Status::kNotFound);
 }
 
-TEST(LandmarkOnPathLifted, TakesTheWayAsIndependentNoise) {
+TEST(LandmarkOnPathLifted, TakesTheDistanceTravelledAsIndependentNoise) {
   LiftedIekfSlam<double, 8, 3> filter;
   ASSERT_TRUE(ok(filter.initialise({}, 1e-4 * Matrix3<double>::Identity())));
   ASSERT_TRUE(ok(filter.add_position(kPast)));

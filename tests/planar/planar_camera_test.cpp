@@ -239,7 +239,7 @@ TYPED_TEST(PlanarCameraFilter, WithoutConsensusTheStateIsEqualToTheBit) {
     PixelMatch<double> match;
     match.id = prediction.id;
     match.slot = prediction.slot;
-    // Each off its own way, inside its gate: nobody supports another.
+    // Each off in a direction of its own, inside its gate: no two agree.
     const double angle = 2.4 * static_cast<double>(matches.size());
     const double sigma = std::sqrt(prediction.covariance.diagonal().minCoeff());
     match.pixel =
@@ -270,7 +270,7 @@ TYPED_TEST(PlanarCameraFilter, WithoutConsensusTheStateIsEqualToTheBit) {
 
 /// What lies on the floor is as far away as the camera's height says: the height corrects the
 /// distance by what the two errors share.
-TYPED_TEST(PlanarCameraFilter, TheHeightOfALandmarkTellsItsDistance) {
+TYPED_TEST(PlanarCameraFilter, TheHeightOfALandmarkDeterminesItsDistance) {
   TypeParam filter;
   ASSERT_TRUE(ok(start(filter, make_drive(303, camera_world()))));
   const Matrix3<double> before_pose = filter.pose_covariance();
@@ -362,8 +362,8 @@ TEST(PlanarRangeBearing, RowsAgreeWithDifferences) {
   }
 }
 
-/// The gauge: what the group filter thinks of the picture does not depend on how unsure it is of
-/// the absolute heading; the EKF's does.
+/// The gauge: in the group filter the map as seen from the vehicle does not depend on the variance
+/// of the absolute heading; in the EKF it does.
 TEST(PlanarCamera, GroupFilterKeepsTheGauge) {
   const auto relative_map = [](auto& filter, double heading_variance) {
     WorldSettings world = camera_world();

@@ -55,7 +55,7 @@ TYPED_TEST(PlanarFilter, AddsUpdatesAndRemovesLandmarks) {
   EXPECT_LT(filter.landmark_covariance(1).trace(), before);
   EXPECT_EQ(filter.health().landmarks_removed, 1U);
 
-  // The removed one comes back as a new landmark.
+  // Its id can be added again, as a new landmark.
   ASSERT_EQ(filter.add_landmark(gone, {2.0, 1.0}, 0.01 * Matrix2<double>::Identity()), Status::kOk);
   EXPECT_EQ(filter.find(gone), count - 1);
   this->run(300, 600);

@@ -19,9 +19,9 @@ template <class Filter>
 using PlanarReacquisition = planar_test::PlanarFilter<Filter>;
 TYPED_TEST_SUITE(PlanarReacquisition, planar_test::Filters);
 
-/// Odometry with a turn error that its noise denies, and no landmark for 20 s: without
-/// re-acquisition the gate stays shut for good, with it the filter comes back.
-TYPED_TEST(PlanarReacquisition, LeavesAGateThatShutGoodDataOut) {
+/// Odometry with a turn error far beyond its stated noise, and no landmark for 20 s: without
+/// re-acquisition the gate rejects all landmarks for ever, with it the filter recovers.
+TYPED_TEST(PlanarReacquisition, RecoversFromAGateThatRejectsGoodData) {
   WorldSettings s;
   s.position_variance = 1e-4;
   s.heading_variance = 1e-5;
@@ -120,7 +120,7 @@ TEST(Reacquisition, AsksForABoundedNumberOfSteps) {
   EXPECT_EQ(steps_asked(reacquisition, 1, 1, 3), 1);
 }
 
-TEST(Reacquisition, TrustsOnlyAsManyAcceptedUpdatesAsItTookRefusedOnes) {
+TEST(Reacquisition, EndsOnlyAfterAsManyAcceptedUpdatesAsItTookRefusedOnes) {
   detail::Reacquisition reacquisition;
   EXPECT_EQ(steps_asked(reacquisition, 12, 1, 3), 3);
   EXPECT_EQ(steps_asked(reacquisition, 9, 2, 0), 0);

@@ -40,7 +40,7 @@ TEST(SteadyAckermann, LinearisesAtTheReadingWithoutLowPass) {
 /// Straight ahead with noisy steering: the covariance of distance and turn is zero in truth. At the
 /// reading it follows the reading's own error, with a time constant of three steps a quarter as
 /// much.
-TEST(SteadyAckermann, TiesDistanceToTurnLessThanTheReading) {
+TEST(SteadyAckermann, CorrelatesDistanceAndTurnLessThanTheReading) {
   SteadyAckermann<double> steady(0.3);
   SteadyAckermann<double> plain(0.0);
   std::mt19937_64 generator(1);

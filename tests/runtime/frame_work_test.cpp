@@ -69,8 +69,8 @@ TEST_F(VehicleWithAWorkLimit, StepsDownTheLadderAsTheLimitShrinks) {
   EXPECT_GE(tracker_->health().budget_exceeded, 12U);
 }
 
-/// A second without any work but prediction: the map is neither forgotten nor mistrusted.
-TEST_F(VehicleWithAWorkLimit, IsBackWithinFiveFrames) {
+/// A second without any work but prediction: no landmark is removed, and tracking is not lost.
+TEST_F(VehicleWithAWorkLimit, TracksAgainWithinFiveFrames) {
   drive(kWarm, kOwnLimit);
   const int landmarks = reports_.back().landmarks;
   drive(30, 0);

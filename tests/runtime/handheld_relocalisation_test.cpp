@@ -31,7 +31,7 @@ struct Memory {
   ByteSource source() { return {&read, this, static_cast<std::uint32_t>(bytes.size())}; }
 };
 
-/// GIVEN a camera in the hand that was moved before two textured planes, one behind the other, and
+/// GIVEN a hand-held camera that was moved before two textured planes, one behind the other, and
 /// has a library of them.
 class HandheldWithoutSight : public ::testing::Test {
  protected:
@@ -152,7 +152,7 @@ TEST_F(HandheldWithoutSight, RefusesADamagedMapAndKeepsItsOwn) {
   EXPECT_EQ(tracker_->state(), TrackingState::kTracking);
 }
 
-TEST_F(HandheldWithoutSight, BeginsAnewWhereItHasNoMapToComeBackTo) {
+TEST_F(HandheldWithoutSight, ResetsAMapThatIsTooSmallToRelocaliseIn) {
   ASSERT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), {})));
   for (int k = 0; k < 20; ++k) step(test::two_walls(k));
   ASSERT_EQ(tracker_->library().size(), 0);

@@ -14,7 +14,7 @@ namespace {
 using Handheld = HandheldTracker<DefaultConfig>;
 using Image = std::vector<std::uint8_t>;
 
-/// GIVEN a camera in the hand that moves before two textured planes.
+/// GIVEN a hand-held camera that moves before two textured planes.
 class HandheldInATrickyPlace : public ::testing::Test {
  protected:
   static constexpr int kWarm = 60;

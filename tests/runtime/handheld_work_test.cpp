@@ -79,8 +79,8 @@ TEST_F(HandheldWithAWorkLimit, StepsDownTheLadderAsTheLimitShrinks) {
   EXPECT_GE(tracker_->health().budget_exceeded, 12U);
 }
 
-/// Half a second without any work but prediction: the map is neither forgotten nor mistrusted.
-TEST_F(HandheldWithAWorkLimit, IsBackWithinFiveFrames) {
+/// Half a second without any work but prediction: no landmark is removed, and tracking is not lost.
+TEST_F(HandheldWithAWorkLimit, TracksAgainWithinFiveFrames) {
   const int landmarks = reports_.back().landmarks;
   move(15, 0);
   EXPECT_EQ(count(FrameCut::kPredictionOnly), 15);

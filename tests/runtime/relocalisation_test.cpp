@@ -7,7 +7,7 @@ namespace cairn {
 namespace {
 
 /// GIVEN a vehicle that drove along a wall, which its camera looks at, and then stands, while its
-/// gyroscope goes on to tell of a turn that there is not, and the camera shows something else.
+/// gyroscope still reports a turn that does not happen, and the camera shows something else.
 class VehicleWithoutSight : public test::VehicleByAWall {
  protected:
   static constexpr int kDriven = 60;
@@ -27,7 +27,7 @@ class VehicleWithoutSight : public test::VehicleByAWall {
     }
   }
 
-  static constexpr double kWay = kStep * (kDriven - 1);
+  static constexpr double kDistance_m = kStep * (kDriven - 1);
   bool relocalised_ = false;
 };
 
@@ -41,10 +41,10 @@ TEST_F(VehicleWithoutSight, FindsItsPlaceInTheLibraryWhenThePictureIsBack) {
   EXPECT_EQ(tracker_->health().relocalisations, 1U);
   const PlanarPose<float> pose = tracker_->filter().mean_pose();
   const Matrix3<float> c = tracker_->filter().pose_covariance();
-  // Of a flat wall, heading and distance are told apart only as far as the filter says.
+  // A flat wall determines heading and distance only as far as the filter's covariance says.
   EXPECT_LT(std::abs(pose.heading), 3.0F * std::sqrt(c(2, 2)));
   EXPECT_LT(std::sqrt(c(2, 2)), 0.08F);
-  EXPECT_NEAR(pose.position.x(), static_cast<float>(kWay), 0.05F);
+  EXPECT_NEAR(pose.position.x(), static_cast<float>(kDistance_m), 0.05F);
   EXPECT_NEAR(pose.position.y(), 0.0F, 0.05F);
 }
 
@@ -64,10 +64,10 @@ TEST_F(VehicleWithoutSight, RefusesAPlaceWhereItCannotBe) {
   EXPECT_EQ(tracker_->health().relocalisations, 0U);
   EXPECT_GE(tracker_->health().false_relocalisations_refused, 1U);  // it knew the place
   const PlanarPose<float> pose = tracker_->filter().mean_pose();
-  EXPECT_NEAR(pose.position.x(), static_cast<float>(kWay), 0.2F);
+  EXPECT_NEAR(pose.position.x(), static_cast<float>(kDistance_m), 0.2F);
   stand_before(picture(kDriven - 1), 10, 0.0F);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
-  EXPECT_NEAR(tracker_->filter().mean_pose().position.x(), static_cast<float>(kWay), 0.05F);
+  EXPECT_NEAR(tracker_->filter().mean_pose().position.x(), static_cast<float>(kDistance_m), 0.05F);
 }
 
 /// Going through such an image would take all of a frame's work, for nothing.

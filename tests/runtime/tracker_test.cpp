@@ -202,7 +202,7 @@ TEST_F(VehicleAtAWall, BuildsAMapAndKeepsItsHeading) {
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   EXPECT_GE(report_.inliers, 5);
   const PlanarPose<float> pose = tracker_->filter().mean_pose();
-  // The wheels tell the scale: their 5 % are the map's. Heading and side are held by the wall.
+  // The scale is the wheels', 5 % too long. The wall determines heading and lateral position.
   EXPECT_NEAR(pose.position.x(), 1.05 * kStep * (kFrames - 1), 0.05);
   EXPECT_NEAR(pose.position.y(), 0.0, 0.02);
   EXPECT_NEAR(pose.heading, 0.0, 0.01);
@@ -218,9 +218,9 @@ TEST_F(VehicleAtAWall, SameInputGivesTheSameBytes) {
   }
 }
 
-/// With noise linearised at a wild reading, distance and turn would correlate as the reading's own
-/// error has it, and correcting the heading would shorten the way, whatever the error's sign.
-TEST_F(VehicleAtAWall, AWildSteeringReadingDoesNotTieDistanceToTurn) {
+/// With noise linearised at an outlier, distance and turn would be correlated with the sign of the
+/// reading's own error, and every correction of the heading would shorten the distance travelled.
+TEST_F(VehicleAtAWall, ASteeringOutlierDoesNotCorrelateDistanceAndTurn) {
   OdometrySample sample;
   sample.kind = OdometrySample::Kind::kAckermann;
   sample.speed_mps = 0.5F;
@@ -234,20 +234,20 @@ TEST_F(VehicleAtAWall, AWildSteeringReadingDoesNotTieDistanceToTurn) {
   EXPECT_LT(std::abs(correlation), 0.02F);
 }
 
-/// The turn of a reading that no other supports must not shut the landmarks out of their windows.
-TEST_F(VehicleAtAWall, AWildSteeringReadingLeavesTheHeadingOpen) {
+/// An outlier of the steering must not move the landmarks out of their search windows.
+TEST_F(VehicleAtAWall, ASteeringOutlierWidensTheHeading) {
   OdometrySample sample;
   sample.kind = OdometrySample::Kind::kAckermann;
   sample.speed_mps = 0.5F;
   const auto heading_variance = [&] { return tracker_->filter().pose_covariance()(2, 2); };
-  constexpr int kWild = 30;
-  for (int k = 1; k < kWild; ++k) {
+  constexpr int kOutlier = 30;
+  for (int k = 1; k < kOutlier; ++k) {
     sample.t_us = k * kStepUs;
     ASSERT_TRUE(ok(tracker_->add_odometry(sample)));
   }
   const float heading = tracker_->filter().pose().heading;
   const float before = heading_variance();
-  sample.t_us = kWild * kStepUs;
+  sample.t_us = kOutlier * kStepUs;
   sample.turn = 0.7F;
   ASSERT_TRUE(ok(tracker_->add_odometry(sample)));
   const float turned = std::abs(tracker_->filter().pose().heading - heading);

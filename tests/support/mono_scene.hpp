@@ -68,7 +68,7 @@ class MonoScene {
       const Vector2<double> seen = pixel(next_);
       if (!camera<double>().contains(seen, 10.0) || filter.find(next_) >= 0) continue;
       const Vector2<double> measured = measure(next_);
-      births_.push_back(measured);
+      added_.push_back(measured);
       (void)filter.add_feature(next_, measured.template cast<typename Filter::Scalar>());
     }
   }
@@ -101,9 +101,9 @@ class MonoScene {
   }
 
   void advance() { ++frame_; }
-  /// Pixels of the features added since clear_births().
-  const std::vector<Vector2<double>>& births() const { return births_; }
-  void clear_births() { births_.clear(); }
+  /// Pixels of the features added since clear_added().
+  const std::vector<Vector2<double>>& added() const { return added_; }
+  void clear_added() { added_.clear(); }
 
  private:
   Vector2<double> measure(LandmarkId id) {
@@ -116,7 +116,7 @@ class MonoScene {
   std::vector<Vector3<double>> points_;
   int frame_ = 0;
   LandmarkId next_ = 0;
-  std::vector<Vector2<double>> births_;
+  std::vector<Vector2<double>> added_;
 };
 
 }  // namespace cairn::test

@@ -18,7 +18,7 @@ class PlaneScene {
   explicit PlaneScene(double depth_m, double tile_m = 0.15, std::uint32_t seed = 1)
       : depth_m_(depth_m), tile_m_(tile_m), seed_(seed) {}
 
-  /// Makes the texture repeat every `period` tiles, both ways.
+  /// Makes the texture repeat every `period` tiles, in both directions.
   void repeat(int period) { period_ = period; }
 
   /// Renders with 4x4 samples a pixel.

@@ -7,7 +7,7 @@
 
 namespace cairn::test {
 
-/// Frame `k` of a camera in the hand that starts at rest and then moves, turning, before two
+/// Frame `k` of a hand-held camera that starts at rest and then moves, turning, before two
 /// textured planes, one behind the other.
 inline Rigid<double> two_walls_pose(int k) {
   const double t = k < 20 ? 0.001 * k * k / 20.0 : 0.001 * (2.0 * k - 20.0);

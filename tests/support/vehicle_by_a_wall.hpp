@@ -51,7 +51,7 @@ class VehicleByAWall : public ::testing::Test {
     return images[static_cast<std::size_t>(frame)];
   }
 
-  /// One frame, before which odometry tells of `moved` m and `turn` rad/s.
+  /// One frame, before which odometry reports `moved` m and `turn` rad/s.
   void step(const Image& image, double moved, float turn = 0.0F) {
     OdometrySample sample;
     sample.t_us = frame_ * kStepUs;

@@ -1,5 +1,5 @@
 // Prints what a tracker's storage is made of on this target, in bytes: one line per tracker and
-// configuration. filter: state and covariance; map: landmarks and candidates; vision: detector,
+// configuration. filter: state and covariance; map: landmarks and seeds; vision: detector,
 // search and scratch; tracker: all of it.
 
 #include <cstddef>

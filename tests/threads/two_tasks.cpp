@@ -2,7 +2,7 @@
 // library beside it. A vehicle drives to and fro along a wall.
 //
 // usage: two_tasks FRAMES
-// Prints what came of it; exit status 1 when the tracker lost its way or the builder did nothing.
+// Prints the counts; exit status 1 when the tracker was lost or the builder did nothing.
 
 #include <atomic>
 #include <cmath>

@@ -1,6 +1,6 @@
 """Modelled cycles of counted blocks, by llvm-mca's Cortex-M7 model: each block as a loop (steady state)
 and as a single pass (pipeline drained), plus one cycle per block for the branch. Caches, flash wait
-states and mispredicted branches are not in the model: expect 30 to 50 % either way on silicon.
+states and mispredicted branches are not in the model: expect 30 to 50 % more or less on silicon.
 """
 import bisect
 import re

@@ -22,12 +22,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 
 # Calls in one frame that the counts of the configuration limit: (function, file, bound).
 STAGES = [
-    ("search_landmark", "tracking/active_search", "40 + kMaxCandidates", "max_searches, and each candidate once"),
+    ("search_landmark", "tracking/active_search", "40 + kMaxCandidates", "max_searches, and each seed once"),
     ("best_corner", "tracking/feature_supply", "12", "cells_per_frame"),
-    ("promote", "tracking/candidate_pool", "5", "max_promotions_per_frame"),
-    ("follow", "tracking/candidate_pool", "1", "one step of the pool"),
+    ("take_converged", "tracking/seed_pool", "4", "max_new_landmarks_per_frame"),
+    ("follow", "tracking/seed_pool", "1", "one step of the pool"),
     ("search_landmarks", "tracking/landmark_search", "1", "one plan"),
-    ("detect_fast", "vision/", "40 + 12 + kMaxCandidates", "searches, cells, candidates"),
+    ("detect_fast", "vision/", "40 + 12 + kMaxCandidates", "searches, cells, seeds"),
     ("describe_freak", "vision/", "40 * kMaxCorners + 16 + kMaxCandidates * kMaxCorners", "corners described"),
 ]
 # What an input is there to drive: (file, head of the loop, least count of its body in a frame, input).

@@ -44,13 +44,13 @@ def judge(row, frames, equal, per_unit, table):
     growth = worst / allowed - 1
     print(f"{name}: {frames} frames, worst {worst} instructions, {100 * growth:+.2f} % against the table")
     if growth > ALLOWED_GROWTH:
-        print("  TOO DEAR: make it cheaper, or renew the table with timing_gate.py --renew and say why")
+        print("  TOO EXPENSIVE: make it cheaper, or renew the table with timing_gate.py --renew and say why")
     if per_unit is not None:
         print(f"  at most {per_unit} of what its units of work stand for")
-    honest = per_unit is None or per_unit <= 1
-    if not honest:
-        print("  TOO DEAR FOR ITS UNITS: mend the costs in core/include/cairn/tracking/work_budget.hpp")
-    return equal and honest and growth <= ALLOWED_GROWTH
+    within_units = per_unit is None or per_unit <= 1
+    if not within_units:
+        print("  MORE INSTRUCTIONS THAN ITS UNITS STAND FOR: correct the costs in core/include/cairn/tracking/work_budget.hpp")
+    return equal and within_units and growth <= ALLOWED_GROWTH
 
 
 def main():

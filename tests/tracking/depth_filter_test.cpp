@@ -10,11 +10,11 @@ namespace cairn {
 namespace {
 
 /// GIVEN the filter and a dense Kalman filter in double precision, which see the same residuals.
-class CandidatesAndADenseFilter : public ::testing::Test {
+class DepthAndDenseFilter : public ::testing::Test {
  protected:
   static constexpr int kKeyframes = 3;
-  static constexpr int kCandidates = 6;
-  using Filter = DepthFilter<kKeyframes, kCandidates>;
+  static constexpr int kSeeds = 6;
+  using Filter = DepthFilter<kKeyframes, kSeeds>;
   static constexpr int kStates = Filter::kStates;
   using State = Eigen::Matrix<double, kStates, 1>;
   using Dense = Eigen::Matrix<double, kStates, kStates>;
@@ -85,7 +85,7 @@ class CandidatesAndADenseFilter : public ::testing::Test {
     for (int i = 0; i < kStates; ++i) {
       EXPECT_NEAR(correction.state[i], moved_(i), 1e-2 * (1e-2 + std::abs(moved_(i)))) << i;
     }
-    for (int slot = 0; slot < kCandidates; ++slot) {
+    for (int slot = 0; slot < kSeeds; ++slot) {
       const double expected = dense_(state_of(slot), state_of(slot));
       EXPECT_NEAR(filter_.variance(slot), expected, 1e-5 * kBefore + 2e-3 * expected) << slot;
     }
@@ -105,7 +105,7 @@ class CandidatesAndADenseFilter : public ::testing::Test {
   Random random_{5};
 };
 
-TEST_F(CandidatesAndADenseFilter, AgreeOverALifeOfKeyframesAndCandidates) {
+TEST_F(DepthAndDenseFilter, AgreeOverALifeOfKeyframesAndSeeds) {
   predict(2e-3, 4e-3);
   begin_keyframe(0);
   for (int slot = 0; slot < 4; ++slot) begin_seed(slot, 0.04);
@@ -113,11 +113,11 @@ TEST_F(CandidatesAndADenseFilter, AgreeOverALifeOfKeyframesAndCandidates) {
     predict(1e-3, 3e-3);
     if (frame == 3) {
       begin_keyframe(2);
-      for (int slot = 4; slot < kCandidates; ++slot) begin_seed(slot, 0.09);
+      for (int slot = 4; slot < kSeeds; ++slot) begin_seed(slot, 0.09);
     }
     Filter::Correction correction;
     moved_.setZero();
-    for (int slot = 0; slot < (frame < 3 ? 4 : kCandidates); ++slot) {
+    for (int slot = 0; slot < (frame < 3 ? 4 : kSeeds); ++slot) {
       update(residual(slot, slot < 4 ? 0 : 2), correction);
     }
     expect_equal(correction);
@@ -126,7 +126,7 @@ TEST_F(CandidatesAndADenseFilter, AgreeOverALifeOfKeyframesAndCandidates) {
 }
 
 /// A new keyframe is the camera of this moment: what has not moved between them is known.
-TEST_F(CandidatesAndADenseFilter, AKeyframeBeginsTiedToTheCamera) {
+TEST_F(DepthAndDenseFilter, AKeyframeBeginsFullyCorrelatedWithTheCamera) {
   predict(2e-3, 4e-3);
   begin_keyframe(1);
   Filter::Residual r = residual(0, 1);
@@ -136,7 +136,7 @@ TEST_F(CandidatesAndADenseFilter, AKeyframeBeginsTiedToTheCamera) {
   EXPECT_LT((s - 0.25F * Matrix2<float>::Identity()).norm(), 1e-4F);
 }
 
-TEST_F(CandidatesAndADenseFilter, AMovedCandidateKeepsWhatItKnows) {
+TEST_F(DepthAndDenseFilter, AMovedSeedKeepsItsEstimate) {
   predict(2e-3, 4e-3);
   begin_keyframe(0);
   begin_seed(1, 0.04);
@@ -154,7 +154,7 @@ TEST_F(CandidatesAndADenseFilter, AMovedCandidateKeepsWhatItKnows) {
   EXPECT_LT((filter_.innovation_covariance(about, 0.5F) - before).norm(), 1e-3F * before.norm());
 }
 
-TEST_F(CandidatesAndADenseFilter, ForgetWhatEnds) {
+TEST_F(DepthAndDenseFilter, ForgetWhatEnds) {
   predict(2e-3, 4e-3);
   begin_keyframe(0);
   begin_seed(2, 0.04);
@@ -171,7 +171,7 @@ TEST_F(CandidatesAndADenseFilter, ForgetWhatEnds) {
   expect_equal_innovation(residual(2, 0));
 }
 
-TEST_F(CandidatesAndADenseFilter, RefuseAResidualOutsideTheGate) {
+TEST_F(DepthAndDenseFilter, RefuseAResidualOutsideTheGate) {
   predict(1e-4, 1e-4);
   begin_keyframe(0);
   begin_seed(0, 1e-4);

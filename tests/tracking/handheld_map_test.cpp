@@ -18,9 +18,9 @@ using LocalMap = HandheldLocalMap<Config>;
 using Archive = HandheldArchive<Config>;
 
 /// GIVEN a hand-held camera before a wall, with a filter that has just started.
-class MapOfAHand : public ::testing::Test {
+class HandheldMap : public ::testing::Test {
  protected:
-  MapOfAHand() {
+  HandheldMap() {
     EXPECT_TRUE(ok(estimate_->initialise(camera_, MonoParameters<float>{})));
     local_map_.reset({});
     local_map_.begin_frame(image_);
@@ -67,7 +67,7 @@ class MapOfAHand : public ::testing::Test {
   Health health_;
 };
 
-TEST_F(MapOfAHand, BeginsFeaturesAtCornersOfTheImage) {
+TEST_F(HandheldMap, BeginsFeaturesAtCornersOfTheImage) {
   auto f = frame();
   const int added = local_map_.add_features(f, *estimate_);
   EXPECT_GT(added, 2);
@@ -77,7 +77,7 @@ TEST_F(MapOfAHand, BeginsFeaturesAtCornersOfTheImage) {
   EXPECT_EQ(estimate_->next_id(), static_cast<LandmarkId>(added + 1));
 }
 
-TEST_F(MapOfAHand, BeginsNoneThatTheFrameCannotPayFor) {
+TEST_F(HandheldMap, BeginsNoneThatTheFrameCannotPayFor) {
   work_.spend(100000);
   auto f = frame();
   EXPECT_EQ(local_map_.add_features(f, *estimate_), 0);
@@ -85,7 +85,7 @@ TEST_F(MapOfAHand, BeginsNoneThatTheFrameCannotPayFor) {
   EXPECT_EQ(report_.cut, FrameCut::kNoMapping);
 }
 
-TEST_F(MapOfAHand, RemovesWhatIsGoneAndArchivesWhatWasSeenOften) {
+TEST_F(HandheldMap, RemovesWhatIsGoneAndArchivesWhatWasSeenOften) {
   const LandmarkId often = add(100.0F, 0.05F);
   const LandmarkId seldom = add(140.0F, 0.05F);
   const LandmarkId good = add(180.0F, 0.05F);
@@ -105,7 +105,7 @@ TEST_F(MapOfAHand, RemovesWhatIsGoneAndArchivesWhatWasSeenOften) {
   EXPECT_EQ(report_.removed, 2);
 }
 
-TEST_F(MapOfAHand, ArchivesMatureFeaturesAndRenewsThemAsTheirSightingsDouble) {
+TEST_F(HandheldMap, ArchivesMatureFeaturesAndRenewsThemAsTheirSightingsDouble) {
   const LandmarkId id = add(160.0F, 0.05F);
   TrackedLandmark& landmark = *estimate_->landmarks().find(id);
   landmark.measured = 11;
@@ -122,7 +122,7 @@ TEST_F(MapOfAHand, ArchivesMatureFeaturesAndRenewsThemAsTheirSightingsDouble) {
 }
 
 /// The part of the depth's variance that all features share is left out of their records.
-TEST_F(MapOfAHand, ArchivesNoFeatureOfUncertainDepth) {
+TEST_F(HandheldMap, ArchivesNoFeatureOfUncertainDepth) {
   add(120.0F, 0.05F);
   const LandmarkId far = add(160.0F, 0.3F);
   archive_all();
@@ -132,7 +132,7 @@ TEST_F(MapOfAHand, ArchivesNoFeatureOfUncertainDepth) {
   EXPECT_LT(along, square(2.0F * 0.02F)) << "the best known depth has nothing of its own";
 }
 
-TEST_F(MapOfAHand, ArchivesFourInAFrame) {
+TEST_F(HandheldMap, ArchivesFourInAFrame) {
   for (int k = 0; k < 6; ++k) add(80.0F + 25.0F * static_cast<float>(k), 0.05F);
   archive_all();
   EXPECT_EQ(archive_->library().size(), 4);

@@ -86,9 +86,9 @@ TYPED_TEST(MapAlignmentTest, IsTheWorldUntilTheMapIsSeen) {
   EXPECT_LT((this->filter_.mean_landmark(slot) - landmark(this->pose_, 5)).norm(), 1e-5F);
 }
 
-/// The map lies turned and shifted: the pose in the map follows what is seen, and the pose in the
-/// world gets no surer than half of what it and the map were, however many landmarks tell.
-TYPED_TEST(MapAlignmentTest, TellsThePoseInTheMapAndLeavesTheWorldOpen) {
+/// The map is turned and shifted: the pose in the map follows the landmarks, and the variance of
+/// the pose in the world falls to no less than half, however many landmarks are measured.
+TYPED_TEST(MapAlignmentTest, DeterminesThePoseInTheMapAndNotInTheWorld) {
   this->filter_truth_ = this->pose_;
   this->add_landmarks(0, kCount);
   PlanarPose<float> map;  // turned about the vehicle by 0.03 rad, then shifted
@@ -104,7 +104,7 @@ TYPED_TEST(MapAlignmentTest, TellsThePoseInTheMapAndLeavesTheWorldOpen) {
   EXPECT_LT(error.translation.norm(), 0.015F);
   EXPECT_LT(rotation_log(error.rotation).norm(), 0.003F);
 
-  // The EKF turns the same evidence into heading that nobody measured.
+  // The EKF gains information about the heading, which no landmark measures.
   constexpr bool kGroup = std::is_same_v<TypeParam, GroupIekfSlam<float, 24, 3>>;
   const Matrix3<float> left = this->filter_.pose_covariance();
   for (int i = 0; i < 3; ++i) {
@@ -113,8 +113,8 @@ TYPED_TEST(MapAlignmentTest, TellsThePoseInTheMapAndLeavesTheWorldOpen) {
   }
 }
 
-/// What the first landmarks tell of the frame, later ones come in with.
-TYPED_TEST(MapAlignmentTest, PlacesLaterLandmarksByWhatEarlierOnesTold) {
+/// Later landmarks enter with the alignment that the first ones determined.
+TYPED_TEST(MapAlignmentTest, PlacesLaterLandmarksByTheAlignmentOfEarlierOnes) {
   this->filter_truth_ = this->pose_;
   this->add_landmarks(0, 6);
   PlanarPose<float> map;
@@ -136,9 +136,9 @@ TYPED_TEST(MapAlignmentTest, PlacesLaterLandmarksByWhatEarlierOnesTold) {
   }
 }
 
-/// Offset and turn about the vehicle: near it landmarks stay as sure as the offset, far from it the
-/// turn counts.
-TYPED_TEST(MapAlignmentTest, DriftsWithTheWay) {
+/// Offset and turn about the vehicle: near it landmarks get the variance of the offset, far from it
+/// also that of the turn.
+TYPED_TEST(MapAlignmentTest, DriftsWithTheDistanceTravelled) {
   MapDrift drift;
   drift.position_m = 0.1F;
   drift.heading_rad = 0.02F;

@@ -10,7 +10,7 @@
 namespace cairn {
 namespace {
 
-/// GIVEN a vehicle at the origin, whose odometry tells speed and yaw rate ten times a second.
+/// GIVEN a vehicle at the origin, whose odometry reports speed and yaw rate ten times a second.
 class AVehicleWithOdometry : public ::testing::Test {
  protected:
   using Filter = GroupIekfSlam<float, 4, 3>;
@@ -36,7 +36,7 @@ class AVehicleWithOdometry : public ::testing::Test {
   Health health_;
 };
 
-TEST_F(AVehicleWithOdometry, MovesAsTold) {
+TEST_F(AVehicleWithOdometry, MovesAsTheReadingsSay) {
   for (int k = 1; k <= 10; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 0.5F)));
   EXPECT_NEAR(x(), 0.5F, 1e-5F);
   EXPECT_FLOAT_EQ(odometry_.speed_mps(), 0.5F);
@@ -115,7 +115,7 @@ TEST_F(AVehicleWithOdometry, LeavesAloneWhatAnImageHasCorrected) {
 TEST_F(AVehicleWithOdometry, RefusesWhatIsNoReading) {
   ASSERT_TRUE(ok(add(kPeriodUs, 1.0F)));
   const float before = x();
-  EXPECT_EQ(add(kPeriodUs, 1.0F), Status::kOk);  // told again: nothing to integrate
+  EXPECT_EQ(add(kPeriodUs, 1.0F), Status::kOk);  // the same time again: nothing to integrate
   EXPECT_EQ(add(kPeriodUs / 2, 1.0F), Status::kTimeBackwards);
   EXPECT_EQ(add(2 * kPeriodUs, std::numeric_limits<float>::quiet_NaN()), Status::kNonFiniteInput);
   EXPECT_EQ(add(2 * kPeriodUs, 1.0F, std::numeric_limits<float>::infinity()),
@@ -229,9 +229,9 @@ TEST(OdometryNoiseParameters, AreCheckedWhole) {
   }
 }
 
-/// The mean follows the reading, the noise does not: a yaw rate that is wild for one sample is as
-/// uncertain as it is far from those before.
-TEST_F(AVehicleWithOdometry, TrustsAWildReadingLess) {
+/// The mean follows the reading; the sigma of an outlier grows with its distance from the readings
+/// before it.
+TEST_F(AVehicleWithOdometry, WidensTheNoiseOfAnOutlier) {
   for (int k = 1; k <= 20; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
   odometry_.forget_yaw();
   ASSERT_TRUE(ok(add(21 * kPeriodUs, 1.0F, 0.05F)));
@@ -252,7 +252,7 @@ struct LastIncrement {
 };
 
 /// Steering couples the noise of an Ackermann vehicle's turn to that of its speed. GIVEN a straight
-/// course, WHEN one reading says that it is steered, THEN the vehicle turns as told, but the
+/// course, WHEN one reading says that it is steered, THEN the vehicle turns by the reading, but the
 /// coupling is that of the course.
 TEST_F(AVehicleWithOdometry, LinearisesNoiseAtSteadyReadings) {
   LastIncrement last;

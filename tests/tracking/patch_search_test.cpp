@@ -66,7 +66,7 @@ TEST_F(SearchOfAPatch, LooksNowhereElse) {
   EXPECT_EQ(search(), Status::kNotFound);
   prediction_.covariance(0, 0) = 36.0F;
   EXPECT_EQ(search(), Status::kOk);
-  // A narrow ellipse across the way to it.
+  // An ellipse that is narrow in the direction of the feature.
   prediction_.covariance << 4.0F, 0.0F, 0.0F, 36.0F;
   EXPECT_EQ(search(), Status::kNotFound);
 }

@@ -97,8 +97,8 @@ PatchTemplate::Response PatchTemplate::respond(const ImageView& image, int x_q8,
   return response;
 }
 
-/// Displacement of the window from the best position, in 1/256 px, at most kMaxStep each way. False
-/// when the window does not look like the template at all.
+/// Displacement of the window from the best position, in 1/256 px, at most kMaxStep in each
+/// direction. False when the window does not look like the template at all.
 bool PatchTemplate::step(const Response& response, int& dx_q8, int& dy_q8) const {
   if (response.gain <= 0) return false;
   // Q12 matrix times Q11 responses over the Q11 gain: Q12, wanted Q8.

@@ -13,8 +13,8 @@ struct DefaultConfig {
   static constexpr int kLibraryLandmarks = 256;  ///< archived
   static constexpr int kMaxCandidates = 32;      ///< seen, not yet in the filter
   static constexpr int kMaxKeyframes = 8;        ///< past positions in the filter's state
-  static constexpr int kPlaceFeatures = 96;      ///< of an image whose place is looked up
-  static constexpr int kPlaceMatches = 96;       ///< the nearest of them, of which a pose is sought
+  static constexpr int kPlaceFeatures = 96;      ///< of an image that is relocalised
+  static constexpr int kPlaceMatches = 96;       ///< the best of their matches, for the pose
 };
 
 struct TinyConfig : DefaultConfig {

@@ -9,7 +9,7 @@ enum class Stage : std::uint8_t {
   kPreprocess,      ///< image preprocessing
   kPosePrediction,  ///< camera pose estimation: the filter's prediction of pose and windows
   kFeatures,        ///< feature extraction and matching
-  kPoseUpdate,      ///< camera pose calculation: RANSAC, filter update, six-degree pose, map
+  kPoseUpdate,      ///< camera pose calculation: RANSAC, filter update, map
   kRender,          ///< rendering and registration
 };
 inline constexpr int kStageCount = 5;

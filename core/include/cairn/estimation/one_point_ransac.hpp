@@ -13,7 +13,7 @@ struct OnePointRansacParameters {
   float min_support_fraction = 0.25F;  ///< smaller share of the candidates: no consensus
 };
 
-/// Outcome of one_point_ransac(). `inliers[i]` tells whether candidate i agrees with the best
+/// Outcome of one_point_ransac(). `inliers[i]` says whether candidate i agrees with the best
 /// hypothesis; meaningful up to the candidate count only.
 template <int Capacity>
 struct OnePointRansacResult {

@@ -63,7 +63,7 @@ struct PoseEstimate {
 /// Zisserman 2004, appendix 6), Huber weights (Huber 1964) and, in the second half, the same cost
 /// cut off at the inlier gate. A point's own covariance widens the noise of its pixel;
 /// cross-correlations between points are not known here, so the covariance is optimistic for points
-/// that err together.
+/// with correlated errors.
 ///
 /// kInvalidArgument: null, count outside [3, kMaxPoseObservations] ([1, ...] with a prior), a sigma
 /// that is not positive. kNonFiniteInput. kDegenerate: the points do not determine the pose

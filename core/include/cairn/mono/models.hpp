@@ -37,9 +37,9 @@ template <class T>
 Matrix<T, 4, 4> normalisation_jacobian(const Vector<T, 4>& q);
 
 /// Unit vector of azimuth theta and elevation phi (rad): (cos phi sin theta, -sin phi, cos phi cos
-/// theta). Civera et al. 2008, eq. 6. The frame is the camera's at the feature's birth, so that the
-/// poles (phi = +-pi/2) lie outside any field of view; the published form, in the world frame, is
-/// singular for a camera that looks straight down.
+/// theta). Civera et al. 2008, eq. 6. The frame is the camera of the feature's first view, so that
+/// the poles (phi = +-pi/2) lie outside any field of view; the published form, in the world frame,
+/// is singular for a camera that looks straight down.
 template <class T>
 struct Direction {
   Vector3<T> m;

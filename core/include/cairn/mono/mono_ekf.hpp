@@ -45,12 +45,12 @@ struct FeaturePolicy {
 /// State: camera block, then blocks of three (two in kRotationOnly) in any order. Camera block of
 /// kSixDof: r (3, m), q (4), [s], v (3, m/s), w (3, rad/s, camera frame); kPivot: lever (3, m), q,
 /// [s], w; kRotationOnly: q, [s], w; s is the focal length's relative error where it is estimated.
-/// Features born in one frame share the anchor, 3 n + 3 a values instead of 6 n; this is exact,
-/// because the copies would have the same rows in P for ever.
+/// Features initialised in one frame share the anchor, 3 n + 3 a values instead of 6 n; this is
+/// exact, because the copies would have the same rows in P for ever.
 ///
 /// When all MaxAnchors are in use, the features of the least used anchor are expressed from the
-/// present camera position instead (to first order), so that a birth never fails for want of an
-/// anchor. Births of the same frame should come together.
+/// present camera position instead (to first order), so that a new feature never lacks an
+/// anchor. Features of the same frame should be added together.
 ///
 /// Sources: J. Civera, O. Grasa, A. Davison, J. Montiel, "1-Point RANSAC for EKF filtering", 2010;
 /// J. Civera, A. Davison, J. Montiel, "Inverse depth parametrization for monocular SLAM", 2008;
@@ -246,14 +246,14 @@ class MonoEkf {
   Layout layout_;
   T x_[kMaxStates] = {};
   Covariance covariance_;
-  /// Scratch: V of P - V^T V in an update, H P where a block is born or rewritten.
+  /// Scratch: V of P - V^T V in an update, H P where a block is added or rewritten.
   T scratch_[2 * kPendingPairs][kMaxStates] = {};
   PackedSymmetric<T, kMaxCameraStates> process_noise_;  ///< Q of the last prediction
   Feature features_[MaxFeatures];
   Anchor anchors_[MaxAnchors];
   int feature_count_ = 0;
   int anchor_count_ = 0;
-  int frame_anchor_ = -1;  ///< anchor of the present frame's births
+  int frame_anchor_ = -1;  ///< anchor of the features added in this frame
   int next_conversion_ = 0;
   T innovation_memory_ = T(-1);  ///< strong tracking's V, px^2 per coordinate; negative: none yet
   T last_fading_factor_ = T(1);

@@ -61,7 +61,8 @@ struct MonoParameters {
   /// Jacobians are taken at the first estimate of each inverse depth instead of the last.
   bool first_estimate_inverse_depth = false;
 
-  /// Features born in the same frame share one anchor (equal to the plain filter up to rounding).
+  /// Features initialised in the same frame share one anchor (equal to the plain filter up to
+  /// rounding).
   bool share_anchors = true;
 
   OnePointRansacParameters ransac;

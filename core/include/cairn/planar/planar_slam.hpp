@@ -153,8 +153,8 @@ class PlanarSlam {
 
   /// Adds a landmark known in the world, m, from elsewhere than this filter: its error is that of
   /// `reference`, a remembered position of add_world_position(), plus an independent part. Without
-  /// a reference all of it is independent, which the caller must answer for: landmarks of one old
-  /// map err together. Errors: as add_landmark(), kNotFound (no such reference).
+  /// a reference all of it is taken as independent, although landmarks of one old map have
+  /// correlated errors. Errors: as add_landmark(), kNotFound (no such reference).
   Status add_world_landmark(LandmarkId id, const LandmarkVector& p_world,
                             const LandmarkMatrix& covariance, LandmarkId reference = kNoLandmark,
                             LandmarkId* replaced = nullptr);

@@ -47,7 +47,7 @@ struct PlanarParameters {
   /// that number is at least this (then the one used least, then the lowest slot). 0: never.
   int replace_after = 20;
 
-  /// A vehicle with odometry needs fewer inliers than a camera in the hand.
+  /// A vehicle with odometry needs fewer inliers than a hand-held camera.
   OnePointRansacParameters ransac = {0.99F, 16, 3, 0.5F};
   /// Inlier: chi-square of a candidate's residual after the hypothesis, under the covariance that
   /// it has then (95 %). Counts the landmarks' own uncertainty, so that a young map finds

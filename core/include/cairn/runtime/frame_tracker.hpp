@@ -27,10 +27,10 @@ namespace cairn {
 /// while lost, one step of the relocaliser and at most two passes over the library in place of the
 /// map's growth.
 ///
-/// All of it stays within set_work_limit(). What the limit does not pay for is left out in this
-/// order, the last first:
+/// All of it stays within set_work_limit(). Work beyond the limit is left out from the end of this
+/// list:
 ///   1. prediction and the plan of the searches: always done;
-///   2. searches, the most informative landmarks first, as far as their update can be paid too;
+///   2. searches, the most informative landmarks first, as long as their update is within it too;
 ///   3. the update, without the least informative matches;
 ///   4. relocalisation, or else seeds, new landmarks, new seeds and reactivation.
 template <class Config, class Filter>

@@ -173,7 +173,7 @@ template <class Config>
 bool HandheldMapReuse<Config>::reactivate(Frame& frame, Estimate& estimate,
                                           const Rigid<float>& T_map_camera,
                                           const PixelMatch<float>& match) {
-  constexpr float kInflation = 2.0F;  // of the sigma: neighbours err together
+  constexpr float kInflation = 2.0F;  // of the sigma: errors of neighbours are correlated
   constexpr float kMinRelativeSigma = 0.02F;
   const LibraryLandmark& archived = archive_.library()[match.slot];
   const Vector3<float> ray = archived.p_map - T_map_camera.translation;

@@ -62,7 +62,7 @@ class VehicleArchive {
     archive(frame, estimate, estimate.filter().find(landmark.id), landmark);
     landmark.stored = true;
   }
-  /// Tells the map builder that a landmark of the library was found where it was expected.
+  /// Reports to the map builder that a landmark of the library was found where it was expected.
   void report_found(Frame& frame, LandmarkId id) { send(frame, Message::Kind::kFound, id); }
   /// The same for one that was not found; it is not reactivated again for a while.
   void report_not_found(Frame& frame, LandmarkId id) {

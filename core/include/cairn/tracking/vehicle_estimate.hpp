@@ -75,9 +75,9 @@ class VehicleEstimate {
   }
 
   /// Uses a landmark on the floor as a measurement of height 0, once its height is known well
-  /// enough to tell the floor from what stands on it. The camera's height above the floor is the
-  /// one length, beside odometry, that makes the map's scale observable. Landmarks of the library
-  /// and those tested before are passed over.
+  /// enough to distinguish the floor from what stands on it. The camera's height above the floor is
+  /// the one length, beside odometry, that makes the map's scale observable. Landmarks of the
+  /// library and those tested before are passed over.
   void constrain_to_floor(FrameContext& frame, TrackedLandmark& landmark);
 
   /// Removes a landmark from the filter and from the records.

@@ -16,7 +16,7 @@ struct VehicleMotion {
 
 /// Keeps the landmarks of a vehicle's filter: seeds that begin at corners of keyframes, landmarks
 /// made of seeds whose depth has converged, and the removal of landmarks that are not found again
-/// or stand in the way of new ones.
+/// or occupy slots that new ones need.
 template <class Config, class Filter>
 class VehicleLocalMap {
  public:

@@ -65,7 +65,7 @@ class RecordReader {
       v |= static_cast<std::uint32_t>(get8()) << shift;
     return v;
   }
-  /// NaN and infinities come back as they are: validate before use.
+  /// NaN and infinities are read as they are: validate before use.
   template <class T>
   T get_real() {
     const std::uint32_t bits = get32();

@@ -31,7 +31,7 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::count_visibility() {
     Vector2<T> pixel;
     if (ok(pixel_at(x_, slot, pixel)) && camera_.contains(pixel)) {
       ++statistics.predicted;
-      ++statistics.consecutive_misses;  // taken back where the measurement is used
+      ++statistics.consecutive_misses;  // 0 again where the measurement is used
       statistics.out_of_view = 0;
     } else {
       ++statistics.out_of_view;

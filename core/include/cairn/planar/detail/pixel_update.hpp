@@ -198,8 +198,8 @@ class PixelUpdate {
     return count;
   }
 
-  /// Looks at the candidates from `first` on again from the corrected state and keeps, from `first`
-  /// on, those that fit now; the number kept.
+  /// Linearises the candidates from `first` on at the corrected state and keeps, from `first` on,
+  /// those inside the rescue gate there; the number kept.
   int rescue(int first) {
     view_.frame = filter_.model_.frame();
     int kept = 0;

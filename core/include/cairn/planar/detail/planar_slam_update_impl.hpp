@@ -140,7 +140,8 @@ void PlanarSlam<ErrorModel>::apply_update(int first, int count, UpdateReport& re
   report.nis += static_cast<float>(nis);
 }
 
-/// Book-keeping after an update: who was refused, and whether the filter has locked itself out.
+/// Book-keeping after an update: which landmarks were refused, and whether the gate has locked the
+/// filter out.
 template <class ErrorModel>
 void PlanarSlam<ErrorModel>::finish_update(int used, UpdateReport& report) {
   if (report.matches == 0) return;

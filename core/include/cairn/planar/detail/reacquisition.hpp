@@ -2,7 +2,7 @@
 
 namespace cairn::detail {
 
-/// Tells when a gate has locked its filter out: updates that refused again, one after the other,
+/// Detects that a gate has locked its filter out: updates that refused again, one after the other,
 /// most of the landmarks they were shown. Counts such updates, never predictions, so it does the
 /// same at every rate; an update that shows nothing says nothing.
 class Reacquisition {

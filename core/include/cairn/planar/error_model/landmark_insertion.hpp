@@ -42,7 +42,7 @@ void append_error_rows(PackedSymmetric<T, Capacity>& P, const ErrorRows<T, Rows>
   }
 }
 
-// How PlanarSlam's landmarks enter a model over CartesianMap. Such a model tells, as ErrorRows, the
+// How PlanarSlam's landmarks enter a model over CartesianMap. Such a model gives, as ErrorRows, the
 // error of its next landmark when it moves with the vehicle (rows_beside_vehicle) and when it
 // stands in the world (rows_in_world). Its deferred noise has been absorbed.
 

@@ -17,7 +17,7 @@ struct RangeBearingObservation {
   T sigma_bearing = T(0);
 };
 
-/// Range and bearing at which a landmark is expected, and how surely: the input of a data
+/// Range and bearing at which a landmark is expected, with their covariance: the input of a data
 /// association.
 template <class T>
 struct RangeBearingPrediction {

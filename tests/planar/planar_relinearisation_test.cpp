@@ -1,4 +1,4 @@
-// update_pixels() looks again from the best hypothesis: landmarks that have no pixel there.
+// update_pixels() linearises again at the best hypothesis: landmarks that have no pixel there.
 #include <array>
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 /// landmark is 31 cm away for the filter and 28 cm in truth, nearer than the 30 cm that a pixel row
 /// is good for.
 template <class Filter>
-class SecondLook : public ::testing::Test {
+class Relinearisation : public ::testing::Test {
  protected:
   static constexpr double kAhead = 0.03;
   static constexpr double kVariance = 0.01;
@@ -62,9 +62,9 @@ class SecondLook : public ::testing::Test {
 
 using Filters = ::testing::Types<EkfSlam<double, 8, 3>, GroupIekfSlam<double, 8, 3>,
                                  LiftedIekfSlam<double, 8, 3>>;
-TYPED_TEST_SUITE(SecondLook, Filters);
+TYPED_TEST_SUITE(Relinearisation, Filters);
 
-TYPED_TEST(SecondLook, LeavesOutWhatHasNoPixelAndUsesTheOthersOnce) {
+TYPED_TEST(Relinearisation, LeavesOutWhatHasNoPixelAndUsesTheOthersOnce) {
   std::array<PixelMatch<double>, 4> matches = {this->match(0), this->match(1), this->match(2),
                                                this->match(3)};
   const UpdateReport report = this->update(matches.data(), 4);
@@ -79,9 +79,9 @@ TYPED_TEST(SecondLook, LeavesOutWhatHasNoPixelAndUsesTheOthersOnce) {
   EXPECT_NEAR(this->filter_.pose().position.x(), this->kAhead, 0.005);
 }
 
-/// The only supporter is lost at the hypothesis: the mean goes back to the prediction, where the
+/// The only inlier has no pixel at the hypothesis: the mean returns to the prediction, where the
 /// landmark has a pixel and is used after all.
-TYPED_TEST(SecondLook, GoesBackToThePredictionWhenNoSupporterIsLeft) {
+TYPED_TEST(Relinearisation, ReturnsToThePredictionWhenNoInlierIsLeft) {
   PixelMatch<double> match = this->match(this->kNear);
   const UpdateReport report = this->update(&match, 1);
   EXPECT_EQ(report.low_innovation, 0);
