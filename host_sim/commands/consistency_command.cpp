@@ -14,10 +14,10 @@
 
 #include "cairn/numeric/math.hpp"
 
+#include "host_sim/experiments/consistency/experiment_files.hpp"
+#include "host_sim/experiments/consistency/filter.hpp"
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/planar/experiment_files.hpp"
-#include "host_sim/planar/filter.hpp"
-#include "host_sim/run/build_info.hpp"
+#include "host_sim/reports/build_info.hpp"
 
 namespace cairn::host {
 namespace {

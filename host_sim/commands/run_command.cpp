@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "host_sim/commands/run_kinds.hpp"
-#include "host_sim/commands/run_options.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/options/run_options.hpp"
 
 namespace cairn::host {
 namespace {

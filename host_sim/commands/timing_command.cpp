@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "host_sim/commands/run_kinds.hpp"
-#include "host_sim/commands/run_options.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/options/run_options.hpp"
 #include "host_sim/world/stress_scene.hpp"
 
 namespace cairn::host {

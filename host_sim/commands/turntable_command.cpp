@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "host_sim/experiments/turntable/rendered_turntable.hpp"
+#include "host_sim/experiments/turntable/turntable_files.hpp"
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/mono/rendered_turntable.hpp"
-#include "host_sim/mono/turntable_files.hpp"
-#include "host_sim/run/build_info.hpp"
+#include "host_sim/reports/build_info.hpp"
 
 namespace cairn::host {
 namespace {

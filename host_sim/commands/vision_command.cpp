@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "host_sim/run/build_info.hpp"
-#include "host_sim/vision/describe_image.hpp"
+#include "host_sim/experiments/vision/describe_image.hpp"
+#include "host_sim/reports/build_info.hpp"
 
 namespace cairn::host {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "host_sim/vision/matching_quality.hpp"
+#include "host_sim/experiments/vision/matching_quality.hpp"
 
 namespace cairn::host {
 namespace {

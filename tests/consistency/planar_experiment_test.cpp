@@ -4,9 +4,9 @@
 
 #include "cairn/numeric/math.hpp"
 
-#include "host_sim/planar/experiment.hpp"
-#include "host_sim/planar/filter.hpp"
-#include "host_sim/planar/reference/reduced_lifted.hpp"
+#include "host_sim/experiments/consistency/experiment.hpp"
+#include "host_sim/experiments/consistency/filter.hpp"
+#include "host_sim/experiments/consistency/reference/reduced_lifted.hpp"
 #include "host_sim/world/gaussian.hpp"
 
 namespace cairn::host {
