@@ -17,7 +17,7 @@ void register_commands(CommandContext& context) {
   register_replay_command(context);
   register_info_command(context);
   register_consistency_command(context);
-  register_faults_command(context);
+  register_relocalisation_command(context);
   register_merge_command(context);
   register_timing_command(context);
   register_turntable_command(context);

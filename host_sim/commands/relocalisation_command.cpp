@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,19 +13,20 @@
 #include <fmt/os.h>
 #include <nlohmann/json.hpp>
 
+#include "host_sim/base/statistics.hpp"
 #include "host_sim/experiments/relocalisation/cut.hpp"
 #include "host_sim/experiments/relocalisation/kidnap.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/reports/build_info.hpp"
+#include "host_sim/reports/run_folder.hpp"
 #include "host_sim/sources/data_sets.hpp"
 
 namespace cairn::host {
 namespace {
 
 constexpr int kFramesPerSecond = 30;
-constexpr double kThreeSigmaDof3 = 14.156;  // chi-square, 99.73 %
 
-struct FaultsOptions {
+struct RelocalisationOptions {
   KidnapSettings kidnap;
   CutSettings cut;
   std::string source;         ///< empty: the built-in hall
@@ -39,12 +39,18 @@ bool recovered(const KidnapTrial& trial) {
   return trial.frames_to_recovery >= 0 && trial.frames_to_recovery <= 2 * kFramesPerSecond;
 }
 
+/// 3 sigma of the normal distribution in 3 degrees of freedom.
+double three_sigma_squared() {
+  static const double value = chi_square_quantile(3.0, 0.9973);
+  return value;
+}
+
 bool is_false(const KidnapTrial& trial) {
-  return trial.claimed && trial.jump_squared > kThreeSigmaDof3;
+  return trial.claimed && trial.jump_squared > three_sigma_squared();
 }
 
 bool is_overconfident(const KidnapTrial& trial) {
-  return trial.claimed && trial.claimed_squared > kThreeSigmaDof3;
+  return trial.claimed && trial.claimed_squared > three_sigma_squared();
 }
 
 nlohmann::json summarise(const std::vector<KidnapTrial>& trials, KidnapKind kind, int length) {
@@ -130,8 +136,8 @@ void write_trials(const std::filesystem::path& folder, const std::vector<CutTria
 }
 
 /// Hand-held trials on a recording. They hold where no recovery is false and every loss is said:
-/// how many come back depends on whether the camera returns to what it has mapped.
-ExitCode run_cut(const FaultsOptions& options, const std::string& command_line) {
+/// how many recover depends on whether the camera returns to what it has mapped.
+ExitCode run_cut(const RelocalisationOptions& options, const std::string& command_line) {
   constexpr const char* kSevenScenes = "seven-scenes:";
   if (options.source.rfind(kSevenScenes, 0) != 0) {
     throw UsageError("--source: expected seven-scenes:DIR");
@@ -142,7 +148,7 @@ ExitCode run_cut(const FaultsOptions& options, const std::string& command_line) 
   if (!options.lengths.empty()) settings.lengths = options.lengths;
   const auto source =
       make_seven_scenes_source(options.source.substr(std::string(kSevenScenes).size()), {});
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   const std::vector<CutTrial> trials = run_cut_trials(*source, settings, [](int, int) {});
   write_trials(options.out, trials);
   nlohmann::json summary = {{"command", command_line},
@@ -165,18 +171,18 @@ ExitCode run_cut(const FaultsOptions& options, const std::string& command_line) 
     }
   }
   summary["holds"] = holds;
-  std::ofstream(options.out / "summary.json") << summary.dump(2) << '\n';
+  write_json(options.out / "summary.json", summary);
   fmt::print("results in {}\n", options.out.string());
   return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
 }
 
-ExitCode run_kidnapped(FaultsOptions options, const std::string& command_line) {
+ExitCode run_kidnapped(RelocalisationOptions options, const std::string& command_line) {
   if (options.trials.has_value()) options.kidnap.trials = *options.trials;
   if (!options.lengths.empty()) options.kidnap.lengths = options.lengths;
   if (options.kidnap.last_frame < options.kidnap.first_frame) {
     throw UsageError("--last-frame lies before --first-frame");
   }
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const std::vector<KidnapTrial> trials =
       run_kidnap_trials(options.kidnap, [terminal](int done, int total) {
@@ -211,17 +217,18 @@ ExitCode run_kidnapped(FaultsOptions options, const std::string& command_line) {
     }
   }
   summary["holds"] = holds;
-  std::ofstream(options.out / "summary.json") << summary.dump(2) << '\n';
+  write_json(options.out / "summary.json", summary);
   fmt::print("results in {}\n", options.out.string());
   return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
 }
 
 }  // namespace
 
-void register_faults_command(CommandContext& context) {
-  auto options = std::make_shared<FaultsOptions>();
-  CLI::App* command =
-      context.app.add_subcommand("faults", "Kidnapped trials: the picture goes, and comes back");
+void register_relocalisation_command(CommandContext& context) {
+  auto options = std::make_shared<RelocalisationOptions>();
+  CLI::App* command = context.app.add_subcommand("relocalisation",
+                                                 "Trials in which the picture goes and comes back");
+  command->alias("faults");
   command->add_option("--source", options->source,
                       "seven-scenes:DIR for the hand-held tracker; the hall without it");
   command->add_option("--trials", options->trials, "Trials of each kind and length")

@@ -4,7 +4,7 @@
 
 namespace cairn::host {
 
-/// `cairn_sim faults`: kidnapped trials in the built-in hall.
-void register_faults_command(CommandContext& context);
+/// `cairn_sim relocalisation`: trials in the hall, or on a recording of a hand-held camera.
+void register_relocalisation_command(CommandContext& context);
 
 }  // namespace cairn::host

@@ -9,6 +9,7 @@
 #include "host_sim/base/names.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/reports/report.py.hpp"
+#include "host_sim/reports/run_folder.hpp"
 #include "host_sim/reports/run_outputs.hpp"
 #include "host_sim/running/runner.hpp"
 #include "host_sim/sources/data_sets.hpp"
@@ -21,8 +22,6 @@
 
 namespace cairn::host {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr int kHallSmallFrames = 60;
 constexpr int kRecordedAnchorFrames = 10;
@@ -38,6 +37,19 @@ Mode mode_of(const RunOptions& options, const SourceInfo& source) {
     throw UsageError(fmt::format("--mode vehicle: source '{}' has no odometry", source.name));
   }
   return mode;
+}
+
+std::string filter_of(const RunOptions& options, Mode mode) {
+  if (options.filter.empty()) {
+    return mode == Mode::kVehicle ? kDefaultVehicleFilter : kDefaultHandheldFilter;
+  }
+  if (mode == Mode::kHandheld && options.filter != kDefaultHandheldFilter) {
+    throw UsageError(fmt::format("--filter {}: handheld mode runs with mono", options.filter));
+  }
+  if (mode == Mode::kVehicle && options.filter == kDefaultHandheldFilter) {
+    throw UsageError("--filter mono: vehicle mode runs with group-iekf, lifted-iekf or ekf");
+  }
+  return options.filter;
 }
 
 /// Vehicle runs start at the first true pose; a variance that is asked for draws the start error.
@@ -66,10 +78,7 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
                                const Frame& first) {
   TrackerOptions tracker;
   tracker.mode = mode_of(options, source);
-  tracker.filter = options.filter;
-  if (tracker.filter.empty()) {
-    tracker.filter = tracker.mode == Mode::kVehicle ? "group-iekf" : "mono";
-  }
+  tracker.filter = filter_of(options, tracker.mode);
   tracker.fading = options.fading;
   tracker.budget_ms = options.budget_ms;
   tracker.seed = options.seed;
@@ -123,12 +132,6 @@ void print_summary(const nlohmann::json& summary) {
                figure(registration["p95"], "px"), figure(registration["max"], "px"));
   }
   fmt::print("log hash {}\n", summary["log_hash"].get<std::string>());
-}
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError(folder, "cannot be created: " + error.message());
 }
 
 ExitCode run_source(FrameSource& source, const RunOptions& options) {

@@ -8,7 +8,8 @@
 namespace cairn::host {
 
 /// `cairn_sim run` on sources that give pictures. Each opens its source and does the whole job:
-/// tracks, writes every file of design section 5 into `options.out`, prints the stages' table.
+/// tracks, writes the files of a run (docs/reference/outputs.md) into `options.out`, prints the
+/// stages' table.
 ExitCode run_hall(const RunOptions& options, const std::string& argument);
 ExitCode run_hall_small(const RunOptions& options, const std::string& argument);
 /// `fields`: of the StressScene, NAME=VALUE,...

@@ -35,7 +35,7 @@ std::optional<TrajectoryEvaluation> evaluate_trajectory(const std::vector<Rigid<
                                                         const std::vector<Rigid<double>>& truth,
                                                         Alignment alignment);
 
-/// The object of design section 5: aligned, ate_rmse_m, ...; nulls where there is no evaluation.
+/// `trajectory` of summary.json: aligned, ate_rmse_m, ...; nulls where there is no evaluation.
 nlohmann::json to_json(const std::optional<TrajectoryEvaluation>& evaluation, bool has_heading);
 
 }  // namespace cairn::host

@@ -5,9 +5,16 @@
 #include <optional>
 #include <string>
 
+#include "host_sim/base/names.hpp"
 #include "host_sim/options/handheld_options.hpp"
 
 namespace cairn::host {
+
+inline constexpr const char* kDefaultVehicleFilter = "group-iekf";
+inline constexpr const char* kDefaultHandheldFilter = "mono";
+inline constexpr double kDefaultBudgetMs = kPaperTotalMs;
+/// Of each coordinate of a start that is known, m^2 and rad^2.
+inline constexpr double kKnownStartVariance = 1e-6;
 
 /// What `cairn_sim timing` wants of a run; the times are always taken.
 struct TimingOptions {
@@ -23,7 +30,7 @@ struct RunOptions {
   std::string mode;    ///< vehicle, handheld; empty: the source's own
   std::string filter;  ///< group-iekf, lifted-iekf, ekf, mono; empty: the mode's own
   std::string fading;  ///< a number >= 1, adaptive; empty: the filter's own
-  double budget_ms = 41.57;
+  double budget_ms = kDefaultBudgetMs;
   std::uint64_t seed = 1;
   std::optional<int> first_frame;
   std::optional<int> max_frames;

@@ -1,8 +1,6 @@
 #include "host_sim/recorded/recorded_files.hpp"
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <fmt/os.h>
@@ -11,9 +9,9 @@
 #include "cairn/numeric/math.hpp"
 
 #include "host_sim/base/names.hpp"
-#include "host_sim/base/statistics.hpp"
 #include "host_sim/recorded/draw_recorded.py.hpp"
-#include "host_sim/reports/build_info.hpp"
+#include "host_sim/reports/latency.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -22,15 +20,6 @@ using nlohmann::json;
 namespace fs = std::filesystem;
 
 constexpr double kDegrees = 180.0 / kPi<double>;
-
-std::string hash_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  Hash64 hash;
-  hash.add_bytes(reinterpret_cast<const std::uint8_t*>(bytes.data()),
-                 static_cast<int>(bytes.size()));
-  return fmt::format("{:016x}", hash.value());
-}
 
 std::string log_hash(const RecordedRun& run) {
   Hash64 hash;
@@ -92,9 +81,7 @@ void write_map(const Recording& recording, const RecordedRun& run, const fs::pat
 /// image.
 void write_frames(const RecordedRun& run, const fs::path& out) {
   auto file = fmt::output_file((out / "frames.csv").string());
-  file.print(
-      "frame,t_us,status,preprocess_ms,pose_prediction_ms,features_ms,pose_update_ms,render_ms,"
-      "total_ms,corners,candidates,matches,inliers,landmarks,registration_px\n");
+  file.print("{}", kFramesHeader);
   int frame = 0;
   for (const auto& step : run.steps) {
     file.print("{},{},{},0,{:.6f},0,{:.6f},0,{:.6f},0,{},{},{},{},\n", frame++,
@@ -104,12 +91,10 @@ void write_frames(const RecordedRun& run, const fs::path& out) {
   }
 }
 
-json latency_json(const std::vector<double>& values_ms, double budget_ms) {
-  const Statistics s = statistics_of(values_ms);
-  return {{"p50", s.p50},       {"p95", s.p95},
-          {"p99", s.p99},       {"max", s.max},
-          {"mean", s.mean},     {"over_budget", share_above(values_ms, budget_ms)},
-          {"budget", budget_ms}};
+json with_budget(const std::vector<double>& values_ms, double budget_ms) {
+  json latency = latency_json(values_ms, budget_ms);
+  latency["budget"] = budget_ms;
+  return latency;
 }
 
 json latency_of(const RecordedRun& run, double budget_ms) {
@@ -123,15 +108,11 @@ json latency_of(const RecordedRun& run, double budget_ms) {
     stages[static_cast<int>(Stage::kPosePrediction)].back() = predict_ms;
     stages[static_cast<int>(Stage::kPoseUpdate)].back() = scan_ms;
   }
-  json latency = latency_json(totals, budget_ms);
+  json latency = with_budget(totals, budget_ms);
   for (int i = 0; i < kStageCount; ++i) {
-    latency["stages"][kStageRows[i].key] = latency_json(stages[i], kStageRows[i].paper_iekf_ms);
+    latency["stages"][kStageRows[i].key] = with_budget(stages[i], kStageRows[i].paper_iekf_ms);
   }
   return latency;
-}
-
-void write_json(const json& document, const fs::path& path) {
-  std::ofstream(path) << document.dump(2) << '\n';
 }
 
 json optional_json(const std::optional<double>& value) {
@@ -140,30 +121,21 @@ json optional_json(const std::optional<double>& value) {
 
 void write_manifest(const Recording& recording, const RecordedRunOptions& options,
                     const std::string& command_line, const fs::path& out) {
-  const BuildInfo build = build_info();
-  json inputs = json::array();
-  for (const auto& path : recording.inputs) {
-    inputs.push_back({{"file", path.string()}, {"hash", hash_of(path)}});
-  }
-  write_json({{"command", command_line},
-              {"seed", options.seed},
-              {"version", build.version},
-              {"compiler", build.compiler},
-              {"flags", build.flags},
-              {"cpu", build.cpu},
-              {"config",
-               {{"mode", "vehicle"},
-                {"filter", options.filter},
-                {"start_heading_variance", optional_json(options.start_heading_variance)},
-                {"start_position_variance", optional_json(options.start_position_variance)},
-                {"gate", options.parameters.gate},
-                {"range_sigma_m", recording.noise.range_sigma_m},
-                {"range_sigma_per_m", recording.noise.range_sigma_per_m},
-                {"bearing_sigma_rad", recording.noise.bearing_sigma_rad},
-                {"slip_density_m2_per_s", recording.slip_density}}},
-              {"source", {{"name", recording.name}, {"note", recording.note}}},
-              {"inputs", inputs}},
-             out / "manifest.json");
+  Manifest manifest;
+  manifest.command_line = command_line;
+  manifest.seed = options.seed;
+  manifest.config = {{"mode", "vehicle"},
+                     {"filter", options.filter},
+                     {"start_heading_variance", optional_json(options.start_heading_variance)},
+                     {"start_position_variance", optional_json(options.start_position_variance)},
+                     {"gate", options.parameters.gate},
+                     {"range_sigma_m", recording.noise.range_sigma_m},
+                     {"range_sigma_per_m", recording.noise.range_sigma_per_m},
+                     {"bearing_sigma_rad", recording.noise.bearing_sigma_rad},
+                     {"slip_density_m2_per_s", recording.slip_density}};
+  manifest.source = {{"name", recording.name}, {"note", recording.note}};
+  manifest.inputs = hashes_of(recording.inputs);
+  write_manifest(out, manifest);
 }
 
 json times_json(const StepTimes& times) {
@@ -239,12 +211,12 @@ json recorded_summary(const Recording& recording, const RecordedRunOptions& opti
 void write_recorded_run(const Recording& recording, const RecordedRunOptions& options,
                         const RecordedRun& run, const std::string& command_line,
                         const fs::path& out) {
-  fs::create_directories(out);
+  make_folder(out);
   write_manifest(recording, options, command_line, out);
   write_trajectories(run, out);
   write_map(recording, run, out);
   write_frames(run, out);
-  write_json(recorded_summary(recording, options, run), out / "summary.json");
+  write_json(out / "summary.json", recorded_summary(recording, options, run));
   if (const auto problem = draw_with_python("report.html", kRecordedScript, out)) {
     fmt::print(stderr, "{}\n", *problem);
   }

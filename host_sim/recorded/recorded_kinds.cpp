@@ -23,7 +23,7 @@ void check_options(const RunOptions& options) {
 ExitCode run(const Recording& recording, const RunOptions& options) {
   check_options(options);
   RecordedRunOptions recorded;
-  recorded.filter = options.filter.empty() ? "group-iekf" : options.filter;
+  recorded.filter = options.filter.empty() ? kDefaultVehicleFilter : options.filter;
   recorded.seed = options.seed;
   recorded.budget_ms = options.budget_ms;
   recorded.start_heading_variance = options.start_heading_variance;

@@ -19,7 +19,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kSamplePeriod = 0.1;
 constexpr double kSameInstant = 1e-6;
 constexpr double kLargestTruthGap = 0.25;
-constexpr double kKnownStartVariance = 1e-6;
 constexpr double kLargestStep = 1.0;  ///< longer gaps of odometry are integrated in pieces
 
 /// Adds the wall time of its life to `spent_us`.

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/options/run_options.hpp"
 #include "host_sim/recorded/association.hpp"
 #include "host_sim/recorded/recorded_filter.hpp"
 #include "host_sim/recorded/recording.hpp"
@@ -13,14 +14,14 @@
 namespace cairn::host {
 
 struct RecordedRunOptions {
-  std::string filter = "group-iekf";
+  std::string filter = kDefaultVehicleFilter;
   std::uint64_t seed = 1;
-  /// Given: the start error is drawn from them. Absent: the true start, with 1e-6 of variance.
+  /// Given: the start error is drawn from them. Absent: the true start, with kKnownStartVariance.
   std::optional<double> start_position_variance;
   std::optional<double> start_heading_variance;
   std::optional<double> longest_s;
-  double budget_ms = 41.57;  ///< of a step, for the summary
-  double noise_scale = 1.0;  ///< of the sightings' sigmas, to test wrong settings
+  double budget_ms = kDefaultBudgetMs;  ///< of a step, for the summary
+  double noise_scale = 1.0;             ///< of the sightings' sigmas, to test wrong settings
   PlanarParameters<double> parameters;
   AssociationParameters association;
 };

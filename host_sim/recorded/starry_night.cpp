@@ -2,8 +2,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <optional>
@@ -17,7 +15,8 @@
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/recorded/number_table.hpp"
-#include "host_sim/reports/build_info.hpp"
+#include "host_sim/reports/run_folder.hpp"
+#include "host_sim/trackers/fading.hpp"
 
 namespace cairn::host {
 namespace {
@@ -168,11 +167,7 @@ ExitCode run_starry_night(const RunOptions& options, const std::string& folder) 
   // the others are. So every match supports every hypothesis.
   parameters.ransac.min_support = 1;
   parameters.support_gate = 1e6F;
-  if (options.fading == "adaptive") {
-    parameters.fading = FadingMode::kAdaptive;
-  } else if (!options.fading.empty()) {
-    parameters.fading_factor = std::strtof(options.fading.c_str(), nullptr);
-  }
+  set_fading(options.fading, parameters);
   parameters.sigma_px = static_cast<float>(handheld.sigma_px.value_or(kSigmaPx));
   parameters.estimate_focal_length = handheld.estimate_focal_length;
   PinholeCamera<float> believed = camera();
@@ -181,7 +176,7 @@ ExitCode run_starry_night(const RunOptions& options, const std::string& folder) 
   const Run run = track(tracks, believed, parameters, options.seed);
   const auto evaluation = evaluate_trajectory(run.judged, poses_of(run.truth), Alignment::kSim3);
 
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   write_tum(options.out / "trajectory.tum", run.estimate);
   write_tum(options.out / "truth.tum", run.truth);
   const int frames = static_cast<int>(tracks.size());
@@ -197,13 +192,13 @@ ExitCode run_starry_night(const RunOptions& options, const std::string& folder) 
       {"focal_px", run.focal_px},
       {"filter_bytes", sizeof(Filter)},
       {"filter_us", run.filter_us}};
-  std::ofstream(options.out / "summary.json") << summary.dump(2) << '\n';
-  const BuildInfo build = build_info();
-  const nlohmann::json manifest = {
-      {"command", options.command_line}, {"seed", options.seed}, {"version", build.version},
-      {"compiler", build.compiler},      {"flags", build.flags}, {"cpu", build.cpu},
-      {"config", "20 features"},         {"inputs", {folder}}};
-  std::ofstream(options.out / "manifest.json") << manifest.dump(2) << '\n';
+  write_json(options.out / "summary.json", summary);
+  Manifest manifest;
+  manifest.command_line = options.command_line;
+  manifest.seed = options.seed;
+  manifest.config = "20 features";
+  manifest.inputs = nlohmann::json::array({folder});
+  write_manifest(options.out, manifest);
   fmt::print("starry-night: {} of {} frames with support, ATE (Sim(3)) {} m, {:.0f} us a frame\n",
              run.tracked, frames, evaluation ? fmt::format("{:.3f}", evaluation->ate_rmse_m) : "-",
              run.filter_us);

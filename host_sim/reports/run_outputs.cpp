@@ -1,21 +1,18 @@
 #include "host_sim/reports/run_outputs.hpp"
 
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/os.h>
 
-#include "cairn/base/hash.hpp"
-
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/base/names.hpp"
 #include "host_sim/base/statistics.hpp"
-#include "host_sim/io/input_error.hpp"
 #include "host_sim/io/pose_file.hpp"
-#include "host_sim/reports/build_info.hpp"
+#include "host_sim/reports/latency.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -43,12 +40,6 @@ const std::optional<Rigid<double>>& true_pose(const FrameRecord& frame, Mode mod
 
 std::string field(const std::optional<double>& value) {
   return value.has_value() ? fmt::format("{:.4f}", *value) : std::string();
-}
-
-json latency_json(const std::vector<double>& values, double limit) {
-  const Statistics s = statistics_of(values);
-  return {{"p50", s.p50}, {"p95", s.p95},   {"p99", s.p99},
-          {"max", s.max}, {"mean", s.mean}, {"over_budget", share_above(values, limit)}};
 }
 
 json nees_json(const RunRecord& record) {
@@ -133,46 +124,40 @@ void write_manifest(const std::filesystem::path& folder, const RunIdentity& iden
                     const SourceInfo& source, const RunRecord& record) {
   const TrackerOptions& options = identity.options;
   const PinholeCamera<double>& c = source.camera;
-  json manifest = build_manifest();
-  manifest["command"] = identity.command_line;
-  manifest["seed"] = options.seed;
-  manifest["config"] = {{"mode", options.mode == Mode::kVehicle ? "vehicle" : "handheld"},
-                        {"filter", options.filter},
-                        {"fading", options.fading.empty() ? json(nullptr) : json(options.fading)},
-                        {"budget_ms", options.budget_ms},
-                        {"start_position_variance", options.start_position_variance},
-                        {"start_heading_variance", options.start_heading_variance},
-                        {"tracker", record.tracker}};
-  manifest["source"] = {{"name", identity.source},
-                        {"frame_rate_hz", source.frame_rate_hz},
-                        {"note", source.note},
-                        {"camera",
-                         {{"fx", c.fx},
-                          {"fy", c.fy},
-                          {"cx", c.cx},
-                          {"cy", c.cy},
-                          {"k1", c.k1},
-                          {"k2", c.k2},
-                          {"p1", c.p1},
-                          {"p2", c.p2},
-                          {"k3", c.k3},
-                          {"width", c.width},
-                          {"height", c.height}}}};
-  json inputs = json::array();
-  for (const std::filesystem::path& path : source.inputs) {
-    inputs.push_back({{"file", path.string()}, {"hash", hash_of_file(path)}});
-  }
-  manifest["inputs"] = inputs;
-  write_json(folder / "manifest.json", manifest);
+  Manifest manifest;
+  manifest.command_line = identity.command_line;
+  manifest.seed = options.seed;
+  manifest.config = {{"mode", options.mode == Mode::kVehicle ? "vehicle" : "handheld"},
+                     {"filter", options.filter},
+                     {"fading", options.fading.empty() ? json(nullptr) : json(options.fading)},
+                     {"budget_ms", options.budget_ms},
+                     {"start_position_variance", options.start_position_variance},
+                     {"start_heading_variance", options.start_heading_variance},
+                     {"tracker", record.tracker}};
+  manifest.source = {{"name", identity.source},
+                     {"frame_rate_hz", source.frame_rate_hz},
+                     {"note", source.note},
+                     {"camera",
+                      {{"fx", c.fx},
+                       {"fy", c.fy},
+                       {"cx", c.cx},
+                       {"cy", c.cy},
+                       {"k1", c.k1},
+                       {"k2", c.k2},
+                       {"p1", c.p1},
+                       {"p2", c.p2},
+                       {"k3", c.k3},
+                       {"width", c.width},
+                       {"height", c.height}}}};
+  manifest.inputs = hashes_of(source.inputs);
+  write_manifest(folder, manifest);
 }
 
 void write_frames(const std::filesystem::path& folder, const RunRecord& record,
                   const RegistrationResult& registration) {
   auto frames = fmt::output_file((folder / "frames.csv").string());
   auto tracking = fmt::output_file((folder / "tracking.csv").string());
-  frames.print(
-      "frame,t_us,status,preprocess_ms,pose_prediction_ms,features_ms,pose_update_ms,render_ms,"
-      "total_ms,corners,candidates,matches,inliers,landmarks,registration_px\n");
+  frames.print("{}", kFramesHeader);
   tracking.print(
       "frame,t_us,state,searched,hypotheses,low_innovation,high_innovation,gated,added,removed,"
       "reentered,from_library,relocalised,nis,nis_dof,nees\n");
@@ -215,7 +200,7 @@ void write_landmarks(const std::filesystem::path& folder, const RunRecord& recor
 }
 
 /// How much of what is seen from the second lap on was first seen in an earlier one: by sighting
-/// and by landmark. Null for a way that does not repeat.
+/// and by landmark. Null for a path that does not repeat.
 json reuse_json(const RunRecord& record) {
   if (!record.lap_frames.has_value() || record.frames.empty()) return nullptr;
   const int lap = *record.lap_frames;
@@ -284,12 +269,6 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
           {"log_hash", fmt::format("{:016x}", record.log_hash)}};
 }
 
-void write_json(const std::filesystem::path& path, const json& value) {
-  std::ofstream file(path);
-  file << value.dump(2) << '\n';
-  if (!file) throw InputError(path, "cannot be written");
-}
-
 json to_json(const Health& h) {
   return {{"non_finite_inputs", h.non_finite_inputs},
           {"time_errors", h.time_errors},
@@ -317,27 +296,6 @@ json to_json(const Health& h) {
           {"false_relocalisations_refused", h.false_relocalisations_refused},
           {"budget_exceeded", h.budget_exceeded},
           {"low_texture_frames", h.low_texture_frames}};
-}
-
-std::string hash_of_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path, "cannot be read");
-  Hash64 hash;
-  char buffer[65536];
-  while (file.read(buffer, sizeof buffer) || file.gcount() > 0) {
-    for (std::streamsize i = 0; i < file.gcount(); ++i) {
-      hash.add(static_cast<std::uint8_t>(buffer[i]));
-    }
-  }
-  return fmt::format("{:016x}", hash.value());
-}
-
-json build_manifest() {
-  const BuildInfo build = build_info();
-  return {{"version", build.version},
-          {"compiler", build.compiler},
-          {"flags", build.flags},
-          {"cpu", build.cpu}};
 }
 
 }  // namespace cairn::host

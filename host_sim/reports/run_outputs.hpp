@@ -29,7 +29,7 @@ struct RunTrajectory {
 
 RunTrajectory evaluate_run(const RunRecord& record, Mode mode);
 
-/// The files of design section 5. docs/reference/outputs.md describes each field.
+/// The files of a run. docs/reference/outputs.md describes each field.
 void write_manifest(const std::filesystem::path& folder, const RunIdentity& identity,
                     const SourceInfo& source, const RunRecord& record);
 void write_frames(const std::filesystem::path& folder, const RunRecord& record,
@@ -39,16 +39,7 @@ void write_landmarks(const std::filesystem::path& folder, const RunRecord& recor
 nlohmann::json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                          const RegistrationResult& registration, double budget_ms);
 
-/// `value` as indented text in `path`.
-void write_json(const std::filesystem::path& path, const nlohmann::json& value);
-
 /// Every counter by its name.
 nlohmann::json to_json(const Health& health);
-
-/// FNV-1a 64 of a file's bytes as 16 hexadecimal digits.
-std::string hash_of_file(const std::filesystem::path& path);
-
-/// Version, compiler, flags and CPU; common to the manifests of every command.
-nlohmann::json build_manifest();
 
 }  // namespace cairn::host

@@ -1,7 +1,6 @@
 #include "host_sim/timing/timing_run.hpp"
 
 #include <ctime>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <fmt/os.h>
@@ -9,7 +8,8 @@
 #include "host_sim/base/names.hpp"
 #include "host_sim/base/statistics.hpp"
 #include "host_sim/io/python_script.hpp"
-#include "host_sim/reports/run_outputs.hpp"
+#include "host_sim/reports/latency.hpp"
+#include "host_sim/reports/run_folder.hpp"
 #include "host_sim/running/runner.hpp"
 #include "host_sim/timing/instruction_count.hpp"
 #include "host_sim/timing/timing_picture.py.hpp"
@@ -108,12 +108,6 @@ InstructionCounts counted(const TimedRun& run, const std::vector<Frame>& frames)
   return result;
 }
 
-json row_of(const std::vector<double>& values, double budget) {
-  const Statistics s = statistics_of(values);
-  return {{"p50", s.p50}, {"p95", s.p95},   {"p99", s.p99},
-          {"max", s.max}, {"mean", s.mean}, {"over_budget", share_above(values, budget)}};
-}
-
 json times_json(const RunRecord& record, const std::vector<double>& cpu_ms, double budget) {
   std::vector<double> total;
   std::vector<std::vector<double>> stages(kStageCount);
@@ -121,12 +115,12 @@ json times_json(const RunRecord& record, const std::vector<double>& cpu_ms, doub
     total.push_back(frame.total_ms);
     for (int i = 0; i < kStageCount; ++i) stages[i].push_back(frame.stage_ms[i]);
   }
-  json result = row_of(total, budget);
+  json result = latency_json(total, budget);
   result["budget"] = budget;
-  result["cpu"] = row_of(cpu_ms, budget);
+  result["cpu"] = latency_json(cpu_ms, budget);
   result["budget_over_p99"] = budget / statistics_of(cpu_ms).p99;
   for (int i = 0; i < kStageCount; ++i) {
-    result["stages"][kStageRows[i].key] = row_of(stages[i], budget);
+    result["stages"][kStageRows[i].key] = latency_json(stages[i], budget);
   }
   return result;
 }
@@ -231,7 +225,7 @@ ExitCode time_frames(const TimedRun& run) {
   write_counts(folder, counts.frames);
   write_json(folder / "timing.json", summary);
   const std::string table = table_of(summary);
-  std::ofstream(folder / "timing.md") << table;
+  write_text(folder / "timing.md", table);
   fmt::print("\n{}", table);
   if (!counts.problem.empty()) fmt::print("{}\n", counts.problem);
   if (const auto problem = draw_with_python("timing.png", kTimingScript, folder)) {

@@ -1,13 +1,12 @@
 #include "host_sim/trackers/handheld_adapter.hpp"
 
-#include <cstdlib>
-
 #include <fmt/format.h>
 
 #include "cairn/runtime/handheld_tracker.hpp"
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/trackers/fading.hpp"
 #include "host_sim/trackers/host_ticks.hpp"
 
 namespace cairn::host {
@@ -23,11 +22,7 @@ class HandheldAdapter : public Tracker {
     typename Core::Parameters parameters;
     parameters.seed = options.seed;
     if (options.work_limit) parameters.work_limit = *options.work_limit;
-    if (options.fading == "adaptive") {
-      parameters.filter.fading = FadingMode::kAdaptive;
-    } else if (!options.fading.empty()) {
-      parameters.filter.fading_factor = std::strtof(options.fading.c_str(), nullptr);
-    }
+    set_fading(options.fading, parameters.filter);
     const PinholeCamera<float> camera = apply(options.handheld, source.camera, parameters);
     Augmenter::Parameters objects;
     objects.height_m = 0.3F;

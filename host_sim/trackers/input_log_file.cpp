@@ -1,12 +1,11 @@
 #include "host_sim/trackers/input_log_file.hpp"
 
-#include <cstdlib>
-
 #include <fmt/format.h>
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/replay/log_replay.hpp"
+#include "host_sim/trackers/fading.hpp"
 
 namespace cairn::host {
 namespace {
@@ -48,15 +47,10 @@ InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& so
   InputLogHeader header;
   header.mode = options.mode == Mode::kVehicle ? LogMode::kVehicle : LogMode::kHandheld;
   header.filter = to_log_filter(options.filter);
-  const MonoParameters<float> mono;
+  MonoParameters<float> mono;
+  set_fading(options.fading, mono);
   header.fading = mono.fading_factor;
   header.adaptive_fading = mono.fading == FadingMode::kAdaptive;
-  if (options.fading == "adaptive") {
-    header.adaptive_fading = true;
-  } else if (!options.fading.empty()) {
-    header.fading = std::strtof(options.fading.c_str(), nullptr);
-    header.adaptive_fading = false;
-  }
   header.seed = options.seed;
   header.start_t_us = start_us;
   header.camera = to_float(source.camera);

@@ -16,6 +16,7 @@
 #include "cairn/tracking/frame_report.hpp"
 
 #include "host_sim/options/handheld_options.hpp"
+#include "host_sim/options/run_options.hpp"
 #include "host_sim/sources/frame_source.hpp"
 
 namespace cairn::host {
@@ -70,9 +71,9 @@ enum class Mode : std::uint8_t { kVehicle, kHandheld };
 
 struct TrackerOptions {
   Mode mode = Mode::kVehicle;
-  std::string filter;  ///< group-iekf, lifted-iekf, ekf or mono
+  std::string filter = kDefaultVehicleFilter;  ///< group-iekf, lifted-iekf, ekf; handheld: mono
   std::string fading;  ///< a number, adaptive, or empty for the filter's own
-  double budget_ms = 41.57;
+  double budget_ms = kDefaultBudgetMs;
   std::uint64_t seed = 1;
   HandheldOptions handheld;
   std::optional<int> work_limit;  ///< units a frame; empty: the tracker's own
@@ -80,12 +81,12 @@ struct TrackerOptions {
   double start_x_m = 0.0;
   double start_y_m = 0.0;
   double start_theta_rad = 0.0;
-  double start_position_variance = 1e-6;
-  double start_heading_variance = 1e-6;
+  double start_position_variance = kKnownStartVariance;
+  double start_heading_variance = kKnownStartVariance;
 };
 
-/// The core's tracker for `options` on a source. Throws UsageError when filter and mode do not go
-/// together or the source's images are larger than every configuration.
+/// The core's tracker for `options` on a source. Domain: filter and mode go together, and a source
+/// of mode kVehicle has odometry. Throws InputError when the tracker refuses the source's camera.
 std::unique_ptr<Tracker> make_tracker(const TrackerOptions& options, const SourceInfo& source);
 
 }  // namespace cairn::host

@@ -120,9 +120,8 @@ class VehicleAdapter : public Tracker {
 };
 
 template <class Config>
-std::unique_ptr<Tracker> make_with_config(TrackerOptions options, const SourceInfo& source) {
+std::unique_ptr<Tracker> make_with_config(const TrackerOptions& options, const SourceInfo& source) {
   constexpr int kMax = Config::kMaxLandmarks;
-  if (options.filter.empty()) options.filter = "group-iekf";
   if (options.filter == "ekf") {
     return std::make_unique<VehicleAdapter<Config, EkfSlam<float, kMax, 3>>>(options, source);
   }

@@ -148,8 +148,8 @@ TEST(ReducedLifted, BothNoisesAgreeForSmallUncertainty) {
   config.heading_variance_rad2 = 1e-6;
   config.loop_s = 10.0;
   const SimulatedRun run = simulate_run(config, 11, 0);
-  const auto jacobian = make_planar_filter("reduced-jacobian", config.landmarks);
-  const auto moments = make_planar_filter("reduced-moments", config.landmarks);
+  const auto jacobian = make_filter_under_test("reduced-jacobian", config.landmarks);
+  const auto moments = make_filter_under_test("reduced-moments", config.landmarks);
   for (auto* filter : {jacobian.get(), moments.get()}) {
     filter->initialise(run.estimated_start, run.start_covariance);
     for (const auto& step : run.steps) {

@@ -8,6 +8,7 @@
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/reports/report.py.hpp"
+#include "host_sim/reports/run_folder.hpp"
 #include "host_sim/reports/run_outputs.hpp"
 #include "host_sim/running/runner.hpp"
 #include "host_sim/sources/hall_source.hpp"

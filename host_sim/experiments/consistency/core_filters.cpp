@@ -20,7 +20,7 @@ LandmarkId to_id(int landmark) {
 }
 
 template <class Filter>
-class SimulatedCoreFilter final : public PlanarFilter {
+class SimulatedCoreFilter final : public FilterUnderTest {
  public:
   explicit SimulatedCoreFilter(bool exact_moments = false) : filter_(std::make_unique<Filter>()) {
     parameters_.gate = 1e30;
@@ -69,19 +69,19 @@ class SimulatedCoreFilter final : public PlanarFilter {
 
 }  // namespace
 
-std::unique_ptr<PlanarFilter> make_core_ekf() {
+std::unique_ptr<FilterUnderTest> make_core_ekf() {
   return std::make_unique<SimulatedCoreFilter<EkfSlam<double, kSimulatedCapacity>>>();
 }
 
-std::unique_ptr<PlanarFilter> make_core_group_iekf() {
+std::unique_ptr<FilterUnderTest> make_core_group_iekf() {
   return std::make_unique<SimulatedCoreFilter<GroupIekfSlam<double, kSimulatedCapacity>>>();
 }
 
-std::unique_ptr<PlanarFilter> make_core_lifted_iekf() {
+std::unique_ptr<FilterUnderTest> make_core_lifted_iekf() {
   return std::make_unique<SimulatedCoreFilter<LiftedIekfSlam<double, kSimulatedCapacity>>>();
 }
 
-std::unique_ptr<PlanarFilter> make_core_lifted_iekf_moments() {
+std::unique_ptr<FilterUnderTest> make_core_lifted_iekf_moments() {
   return std::make_unique<SimulatedCoreFilter<LiftedIekfSlam<double, kSimulatedCapacity>>>(true);
 }
 

@@ -32,7 +32,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-void add_landmarks(const SimulatedRun& run, const PlanarFilter& filter, int loop,
+void add_landmarks(const SimulatedRun& run, const FilterUnderTest& filter, int loop,
                    FilterSums& sums) {
   for (int i = 0; i < static_cast<int>(run.landmarks.size()); ++i) {
     LandmarkEstimate estimate;
@@ -45,7 +45,7 @@ void add_landmarks(const SimulatedRun& run, const PlanarFilter& filter, int loop
 
 void run_filter(const SimulationConfig& config, const SimulatedRun& run, FilterSums& sums,
                 SamplePath* sample) {
-  const auto filter = make_planar_filter(sums.filter, config.landmarks);
+  const auto filter = make_filter_under_test(sums.filter, config.landmarks);
   filter->initialise(run.estimated_start, run.start_covariance);
   const int loop_steps = config.steps_per_loop();
   for (int k = 0; k < config.steps(); ++k) {

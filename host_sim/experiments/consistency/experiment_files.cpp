@@ -14,6 +14,7 @@
 #include "host_sim/experiments/consistency/operation_count.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/python_script.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 
@@ -244,12 +245,11 @@ std::string experiment_table(const ExperimentResult& result) {
 }
 
 void write_experiment(const ExperimentResult& result, const fs::path& out) {
-  fs::create_directories(out);
+  make_folder(out);
   write_series(result, out / "consistency.csv");
   write_sample(result, out / "sample.csv");
   write_partial(result, out / "partial.json");
-  std::ofstream file = open_for_writing(out / "summary.json");
-  file << experiment_summary(result).dump(2) << '\n';
+  write_json(out / "summary.json", experiment_summary(result));
 }
 
 ExperimentResult read_partial(const fs::path& folder) {

@@ -15,22 +15,22 @@ namespace {
 struct FilterKind {
   const char* name;
   int capacity;
-  std::unique_ptr<PlanarFilter> (*make)();
+  std::unique_ptr<FilterUnderTest> (*make)();
 };
 
 constexpr int kUnlimited = 100000;
 
 template <WorldEkf::Kind Kind>
-std::unique_ptr<PlanarFilter> make_world_ekf() {
+std::unique_ptr<FilterUnderTest> make_world_ekf() {
   return std::make_unique<WorldEkf>(Kind);
 }
 
 template <ReducedLifted::Noise Noise>
-std::unique_ptr<PlanarFilter> make_reduced() {
+std::unique_ptr<FilterUnderTest> make_reduced() {
   return std::make_unique<ReducedLifted>(Noise);
 }
 
-std::unique_ptr<PlanarFilter> make_invariant() {
+std::unique_ptr<FilterUnderTest> make_invariant() {
   return std::make_unique<InvariantEkf>();
 }
 
@@ -53,7 +53,7 @@ const std::vector<FilterKind>& filter_kinds() {
 
 }  // namespace
 
-std::unique_ptr<PlanarFilter> make_planar_filter(const std::string& name, int landmarks) {
+std::unique_ptr<FilterUnderTest> make_filter_under_test(const std::string& name, int landmarks) {
   std::string known;
   for (const auto& kind : filter_kinds()) {
     if (name == kind.name) {
@@ -66,12 +66,6 @@ std::unique_ptr<PlanarFilter> make_planar_filter(const std::string& name, int la
     known += fmt::format("{}{}", known.empty() ? "" : ", ", kind.name);
   }
   throw std::invalid_argument(fmt::format("filter '{}': expected one of {}", name, known));
-}
-
-std::vector<std::string> planar_filter_names() {
-  std::vector<std::string> names;
-  for (const auto& kind : filter_kinds()) names.emplace_back(kind.name);
-  return names;
 }
 
 }  // namespace cairn::host

@@ -9,12 +9,12 @@
 namespace cairn::host {
 
 /// One planar SLAM filter under test, with known association of Cartesian sightings.
-class PlanarFilter {
+class FilterUnderTest {
  public:
-  PlanarFilter() = default;
-  PlanarFilter(const PlanarFilter&) = delete;
-  PlanarFilter& operator=(const PlanarFilter&) = delete;
-  virtual ~PlanarFilter() = default;
+  FilterUnderTest() = default;
+  FilterUnderTest(const FilterUnderTest&) = delete;
+  FilterUnderTest& operator=(const FilterUnderTest&) = delete;
+  virtual ~FilterUnderTest() = default;
 
   virtual void initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) = 0;
   /// One odometry increment of the Euler model, the one the simulated world moves by.
@@ -30,9 +30,6 @@ class PlanarFilter {
 
 /// A filter by its name on the command line, for maps of up to `landmarks` landmarks. Throws
 /// std::invalid_argument, naming the known filters, for another name or too large a map.
-std::unique_ptr<PlanarFilter> make_planar_filter(const std::string& name, int landmarks);
-
-/// Names that make_planar_filter knows, in the order of the tables.
-std::vector<std::string> planar_filter_names();
+std::unique_ptr<FilterUnderTest> make_filter_under_test(const std::string& name, int landmarks);
 
 }  // namespace cairn::host

@@ -38,7 +38,6 @@ void start(Vehicle& tracker, const SourceInfo& info, const Frame& first, std::ui
   options.start_x_m = pose.translation.x();
   options.start_y_m = pose.translation.y();
   options.start_theta_rad = cairn::atan2(forward.y(), forward.x());
-  options.start_position_variance = options.start_heading_variance = 1e-6;
   static_cast<void>(start_replay(to_log_header(options, info, first.t_us), tracker));
 }
 

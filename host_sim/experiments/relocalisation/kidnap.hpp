@@ -32,7 +32,7 @@ struct KidnapTrial {
   double undisturbed_error_m = 0.0;  ///< of the tracker that saw every picture
   /// Of the pose against the undisturbed tracker's at the end (3 degrees of freedom): in the
   /// covariance of both, and in that plus what odometry alone had left open when the picture came
-  /// back. The first tells overconfidence, the second a jump to a wrong place.
+  /// back. The first shows overconfidence, the second a jump to a wrong place.
   double claimed_squared = 0.0;
   double jump_squared = 0.0;
   bool claimed = false;  ///< it says that it tracks at the end

@@ -7,6 +7,7 @@
 
 #include "host_sim/experiments/turntable/draw_turntable.py.hpp"
 #include "host_sim/io/python_script.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -91,8 +92,8 @@ void write_turntable(const TurntableConfig& config, const std::vector<TurntableC
                             {"seeds", config.seeds},
                             {"cells", nlohmann::json::array()}};
   for (const TurntableCell& cell : cells) summary["cells"].push_back(cell_summary(cell));
-  std::ofstream(out / "summary.json") << summary.dump(2) << '\n';
-  std::ofstream(out / "summary.md") << turntable_table(cells);
+  write_json(out / "summary.json", summary);
+  write_text(out / "summary.md", turntable_table(cells));
 }
 
 std::string turntable_table(const std::vector<TurntableCell>& cells) {

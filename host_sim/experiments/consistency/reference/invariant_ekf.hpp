@@ -9,7 +9,7 @@ namespace cairn::host {
 /// (heading, x, p_1 .. p_n), error (e, xi_x, xi_i) of the group SE_{n+1}(2), F = I, H = [0 -I I].
 /// Odometry noise is added at every step, the pose is read out to first order: the plain textbook
 /// form that GroupIekfSlam is compared with.
-class InvariantEkf final : public PlanarFilter {
+class InvariantEkf final : public FilterUnderTest {
  public:
   void initialise(const Pose2& pose, const Eigen::Matrix3d& covariance) override;
   void predict(const Increment& step) override;

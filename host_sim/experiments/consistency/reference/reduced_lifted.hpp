@@ -25,7 +25,7 @@ MonomialMoments monomial_moments(const Increment& step);
 /// - kMoments: exact moments of the start, of the motion noise, which multiplies the state
 /// (Germani,
 ///   Manes and Palumbo 2005), and so of the prediction.
-class ReducedLifted final : public PlanarFilter {
+class ReducedLifted final : public FilterUnderTest {
  public:
   enum class Noise { kJacobian, kMoments };
 

@@ -19,7 +19,7 @@ namespace cairn::host {
 ///   (11 unscented points, kappa = 1) for an observation; the remainder of the spread enters as
 ///   noise. It is not a full-state unscented filter: the 2 (3 + 2n) + 1 points of that would ask
 ///   the same marginals, because all functions here are affine in the rest.
-class WorldEkf final : public PlanarFilter {
+class WorldEkf final : public FilterUnderTest {
  public:
   enum class Kind { kStandard, kFirstEstimates, kIterated, kUnscented };
 
