@@ -4,6 +4,7 @@
 
 #include "cairn/numeric/math.hpp"
 
+#include "host_sim/base/statistics.hpp"
 #include "host_sim/experiments/consistency/experiment.hpp"
 #include "host_sim/experiments/consistency/filter.hpp"
 #include "host_sim/experiments/consistency/reference/reduced_lifted.hpp"
@@ -91,10 +92,12 @@ TEST(PlanarExperiment, PathIsClosedAndInsideTheField) {
 
 TEST(PlanarExperiment, BandsAreThoseOfTheLiterature) {
   // Exact chi-square quantiles of 3 N degrees of freedom, divided by N.
-  EXPECT_NEAR(average_nees_band(50, 3).low, 2.3597, 2e-3);
-  EXPECT_NEAR(average_nees_band(50, 3).high, 3.7160, 2e-3);
-  EXPECT_NEAR(average_nees_band(200, 3).low, 2.6700, 2e-3);
-  EXPECT_NEAR(average_nees_band(200, 3).high, 3.3489, 2e-3);
+  EXPECT_NEAR(average_nees_band(50, 3).low, 2.3597, 6e-5);
+  EXPECT_NEAR(average_nees_band(50, 3).high, 3.7160, 6e-5);
+  EXPECT_NEAR(average_nees_band(200, 3).low, 2.6701, 6e-5);
+  EXPECT_NEAR(average_nees_band(200, 3).high, 3.3488, 6e-5);
+  EXPECT_NEAR(average_nees_band(2, 3).low, 0.6187, 6e-5);
+  EXPECT_NEAR(average_nees_band(2, 3).high, 7.2247, 6e-5);
 }
 
 TEST(PlanarExperiment, GaussianRandomHasUnitVarianceAndNoMean) {
