@@ -4,15 +4,9 @@
 
 #include <CLI/CLI.hpp>
 
-namespace cairn::host {
+#include "host_sim/options/exit_code.hpp"
 
-/// What cairn_sim returns to the shell.
-enum class ExitCode : int {
-  kOk = 0,
-  kCheckFailed = 1,   ///< the job ran, and what it checks does not hold
-  kUsage = 2,         ///< the command line is wrong
-  kInputInvalid = 3,  ///< an input is unreadable or invalid
-};
+namespace cairn::host {
 
 /// Where a command adds itself. A register function adds one subcommand to `app`; its callback does
 /// the work and stores the outcome in `exit_code`. It may throw InputError (exit code 3) and

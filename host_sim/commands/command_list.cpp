@@ -1,8 +1,8 @@
 #include "host_sim/commands/command.hpp"
 #include "host_sim/commands/consistency_command.hpp"
-#include "host_sim/commands/faults_command.hpp"
 #include "host_sim/commands/info_command.hpp"
 #include "host_sim/commands/merge_command.hpp"
+#include "host_sim/commands/relocalisation_command.hpp"
 #include "host_sim/commands/replay_command.hpp"
 #include "host_sim/commands/run_command.hpp"
 #include "host_sim/commands/timing_command.hpp"
@@ -17,7 +17,7 @@ void register_commands(CommandContext& context) {
   register_replay_command(context);
   register_info_command(context);
   register_consistency_command(context);
-  register_faults_command(context);
+  register_relocalisation_command(context);
   register_merge_command(context);
   register_timing_command(context);
   register_turntable_command(context);

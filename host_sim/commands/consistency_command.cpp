@@ -3,22 +3,20 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <optional>
 #include <unistd.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "cairn/numeric/math.hpp"
 
 #include "host_sim/commands/option_checks.hpp"
+#include "host_sim/experiments/consistency/experiment_files.hpp"
+#include "host_sim/experiments/consistency/filter.hpp"
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/planar/experiment_files.hpp"
-#include "host_sim/planar/filter.hpp"
-#include "host_sim/run/build_info.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -76,29 +74,16 @@ ExperimentConfig make_config(const ConsistencyOptions& options) {
 
 void check_filters(const std::vector<std::string>& filters) {
   try {
-    for (const auto& filter : filters) (void)make_planar_filter(filter, 1);
+    for (const auto& filter : filters) (void)make_filter_under_test(filter, 1);
   } catch (const std::invalid_argument& error) {
     throw UsageError(fmt::format("--filters: {}", error.what()));
   }
 }
 
-void write_manifest(const ConsistencyOptions& options, const std::string& command_line) {
-  const BuildInfo build = build_info();
-  const nlohmann::json manifest = {{"command", command_line},
-                                   {"seed", options.seed},
-                                   {"version", build.version},
-                                   {"compiler", build.compiler},
-                                   {"flags", build.flags},
-                                   {"cpu", build.cpu},
-                                   {"config", "see summary.json, experiment"},
-                                   {"inputs", nlohmann::json::object()}};
-  std::ofstream(options.out / "manifest.json") << manifest.dump(2) << '\n';
-}
-
 void run(const ConsistencyOptions& options, const std::string& command_line) {
   const ExperimentConfig config = make_config(options);
   check_filters(config.filters);
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const ExperimentResult result = run_experiment(config, [terminal](int done, int total) {
     if (!terminal) return;
@@ -106,7 +91,8 @@ void run(const ConsistencyOptions& options, const std::string& command_line) {
     std::fflush(stderr);
   });
   if (terminal) fmt::print(stderr, "\r{:40}\r", "");
-  write_manifest(options, command_line);
+  write_manifest(options.out,
+                 {command_line, options.seed, "see summary.json, experiment", nullptr});
   write_experiment(result, options.out);
   fmt::print("{}", experiment_table(result));
   if (options.pictures && config.shard.count == 1) {

@@ -7,7 +7,7 @@
 #include "cairn/tracking/frame_report.hpp"
 #include "cairn/vision/freak.hpp"
 
-#include "host_sim/run/build_info.hpp"
+#include "host_sim/reports/build_info.hpp"
 
 namespace cairn::host {
 namespace {

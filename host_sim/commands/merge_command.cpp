@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/experiments/consistency/experiment_files.hpp"
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/planar/experiment_files.hpp"
 
 namespace cairn::host {
 namespace {

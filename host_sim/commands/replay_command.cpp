@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "host_sim/run/input_log_file.hpp"
+#include "host_sim/trackers/input_log_file.hpp"
 
 namespace cairn::host {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
-#include "host_sim/commands/run_options.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/options/run_options.hpp"
 
 namespace cairn::host {
 namespace {

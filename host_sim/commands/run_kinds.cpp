@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/commands/video_run.hpp"
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/mono/starry_night.hpp"
-#include "host_sim/planar/recorded/recorded_kinds.hpp"
-#include "host_sim/run/video_run.hpp"
+#include "host_sim/recorded/recorded_kinds.hpp"
+#include "host_sim/recorded/starry_night.hpp"
 
 namespace cairn::host {
 

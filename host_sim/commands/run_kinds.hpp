@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "host_sim/commands/command.hpp"
-#include "host_sim/commands/run_options.hpp"
+#include "host_sim/options/exit_code.hpp"
+#include "host_sim/options/run_options.hpp"
 
 namespace cairn::host {
 

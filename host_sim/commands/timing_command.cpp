@@ -8,8 +8,9 @@
 
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
-#include "host_sim/commands/run_options.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/options/run_options.hpp"
+#include "host_sim/reports/run_folder.hpp"
 #include "host_sim/world/stress_scene.hpp"
 
 namespace cairn::host {
@@ -25,7 +26,7 @@ nlohmann::json read_json(const std::filesystem::path& path) {
   return nlohmann::json::parse(std::ifstream(path));
 }
 
-/// Every scene that was made to be dear, in both modes.
+/// Every named stress scene, in both modes.
 ExitCode time_worst_cases(const Arguments& arguments) {
   ExitCode worst = ExitCode::kOk;
   std::string table =
@@ -53,7 +54,7 @@ ExitCode time_worst_cases(const Arguments& arguments) {
                            ms["max"].get<double>(), millions("median"), millions("worst"));
     }
   }
-  std::ofstream(arguments.run.out / "timing.md") << table;
+  write_text(arguments.run.out / "timing.md", table);
   fmt::print("\n{}", table);
   return worst;
 }
@@ -78,7 +79,7 @@ void register_timing_command(CommandContext& context) {
   command->add_option("SOURCE", run_options.source, "As for `run`; the hall unless given");
   command->add_option("--out", run_options.out, "Folder for the results")->required();
   command->add_flag("--worst-case", arguments->worst_case,
-                    "Instead of a source, the scenes that were made to be dear");
+                    "Instead of a source, every stress scene");
   command->add_option("--mode", run_options.mode, "How the camera moves")
       ->check(CLI::IsMember({"vehicle", "handheld"}));
   command->add_option("--filter", run_options.filter, "Filter")

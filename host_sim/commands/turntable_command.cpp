@@ -3,19 +3,17 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <memory>
 #include <unistd.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "host_sim/commands/option_checks.hpp"
+#include "host_sim/experiments/turntable/rendered_turntable.hpp"
+#include "host_sim/experiments/turntable/turntable_files.hpp"
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/mono/rendered_turntable.hpp"
-#include "host_sim/mono/turntable_files.hpp"
-#include "host_sim/run/build_info.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -68,7 +66,7 @@ TurntableConfig make_config(const TurntableOptions& options) {
 
 void run(const TurntableOptions& options, const std::string& command_line) {
   const TurntableConfig config = make_config(options);
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   const bool terminal = isatty(STDERR_FILENO) != 0;
   const auto progress = [terminal](int done, int total) {
     if (!terminal) return;
@@ -79,13 +77,7 @@ void run(const TurntableOptions& options, const std::string& command_line) {
       options.points ? run_turntable(config, progress)
                      : run_rendered_turntable(config, options.measurement, progress);
   if (terminal) fmt::print(stderr, "\r{:40}\r", "");
-  const BuildInfo build = build_info();
-  const nlohmann::json manifest = {
-      {"command", command_line},      {"seed", options.seed},
-      {"version", build.version},     {"compiler", build.compiler},
-      {"flags", build.flags},         {"cpu", build.cpu},
-      {"config", "see summary.json"}, {"inputs", nlohmann::json::object()}};
-  std::ofstream(options.out / "manifest.json") << manifest.dump(2) << '\n';
+  write_manifest(options.out, {command_line, options.seed, "see summary.json", nullptr});
   write_turntable(config, cells, options.out);
   fmt::print("{}", turntable_table(cells));
   if (options.pictures) {

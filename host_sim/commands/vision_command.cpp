@@ -1,15 +1,13 @@
 #include "host_sim/commands/vision_command.hpp"
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "host_sim/commands/option_checks.hpp"
-#include "host_sim/run/build_info.hpp"
-#include "host_sim/vision/describe_image.hpp"
+#include "host_sim/experiments/vision/describe_image.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -21,26 +19,17 @@ struct VisionOptions {
   std::filesystem::path out;
 };
 
-void write_manifest(const VisionOptions& options, const std::string& command_line) {
-  const BuildInfo build = build_info();
-  const nlohmann::json manifest = {
-      {"command", command_line},
-      {"version", build.version},
-      {"compiler", build.compiler},
-      {"flags", build.flags},
-      {"cpu", build.cpu},
-      {"config", {{"threshold", options.threshold}, {"descriptors", options.descriptors}}},
-      {"inputs", {{"image", options.image.string()}}}};
-  std::ofstream(options.out / "manifest.json") << manifest.dump(2) << '\n';
-}
-
 void run(const VisionOptions& options, const std::string& command_line) {
   const cv::Mat grey = read_grey(options.image);
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   const std::vector<Corner> corners = detect_corners(grey, options.threshold);
   const std::vector<Feature> features =
       describe_corners(grey, strongest(corners, options.descriptors));
-  write_manifest(options, command_line);
+  Manifest manifest;
+  manifest.command_line = command_line;
+  manifest.config = {{"threshold", options.threshold}, {"descriptors", options.descriptors}};
+  manifest.inputs = {{"image", options.image.string()}};
+  write_manifest(options.out, manifest);
   write_corners(corners, options.out / "fast.csv");
   write_features(features, options.out / "freak.csv");
   fmt::print("{}x{} pixels, {} corners, {} descriptors\nresults in {}\n", grey.cols, grey.rows,

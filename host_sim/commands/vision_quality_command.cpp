@@ -1,12 +1,12 @@
 #include "host_sim/commands/vision_quality_command.hpp"
 
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
 
-#include "host_sim/vision/matching_quality.hpp"
+#include "host_sim/experiments/vision/matching_quality.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -18,10 +18,10 @@ struct QualityOptions {
 
 void run(const QualityOptions& options) {
   const std::vector<QualityResult> results = measure_matching_quality(options.sets);
-  std::filesystem::create_directories(options.out);
+  make_folder(options.out);
   write_quality(results, options.out / "quality.csv");
   const std::string table = quality_table(results);
-  std::ofstream(options.out / "quality.md") << table;
+  write_text(options.out / "quality.md", table);
   fmt::print("{}results in {}\n", table, options.out.string());
 }
 

@@ -50,7 +50,7 @@ struct SourceInfo {
   Rigid<double> T_vehicle_camera;
   std::optional<OdometryModel> odometry;  ///< absent: handheld
   double frame_rate_hz = 30.0;            ///< nominal
-  std::optional<int> lap_frames;          ///< frames after which the way repeats, where it does
+  std::optional<int> lap_frames;          ///< frames after which the path repeats, where it does
   std::optional<int> frame_count;         ///< frames that will come, where known
   std::uint64_t seed = 0;                 ///< 0 where nothing is random
   /// Surfaces of the world that are known, convex polygons: what hides a virtual object. Vehicle

@@ -116,7 +116,7 @@ class HallSource final : public FrameSource {
     return drive_.pose_at_time(1e-6 * static_cast<double>(time_us(frame)));
   }
 
-  /// What wheel and steering sensors report about the way from the frame before.
+  /// What wheel and steering sensors report about the motion since the frame before.
   OdometrySample odometry_to(int frame) {
     const double dt = 1e-6 * static_cast<double>(time_us(frame) - time_us(frame - 1));
     const double turn = pose_of(frame).theta_rad - pose_of(frame - 1).theta_rad;

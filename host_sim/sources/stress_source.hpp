@@ -11,7 +11,7 @@ namespace cairn::host {
 /// default. Throws UsageError, listing the fields, for anything else.
 StressScene parse_stress_scene(const std::string& text);
 
-/// Frames of a synthetic input made to be dear, with exact odometry in vehicle mode. No truth.
+/// Frames of a synthetic input made to be expensive, with exact odometry in vehicle mode. No truth.
 std::unique_ptr<FrameSource> make_stress_source(const StressScene& scene);
 
 }  // namespace cairn::host

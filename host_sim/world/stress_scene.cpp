@@ -101,7 +101,7 @@ void draw_checker(int cell, std::uint8_t* pixels) {
   }
 }
 
-/// Every square of the image goes its own way: each landmark is found, and no two agree.
+/// Every square of the image moves on its own: each landmark is found, and no two agree.
 void jitter(int reach, std::uint32_t seed, std::uint8_t* pixels) {
   const std::vector<std::uint8_t> still(pixels, pixels + kStressWidth * kStressHeight);
   const auto span = static_cast<std::uint32_t>(2 * reach + 1);
@@ -167,22 +167,22 @@ const std::vector<NamedStressScene>& named_stress_scenes() {
        "every landmark replaced at once"},
       {"lost-full-library",
        "density=25 contrast=120 step_mm=120 attack=4 attack_from=400 attack_seed=7 frames=450",
-       "a full library looked through for a place that it does not hold"},
+       "a full library searched for a place that it does not contain"},
       {"crowded-full-library",
        "density=70 step_mm=120 attack=4 attack_from=400 attack_seed=7 frames=440",
-       "a full library, and then a place too full of corners to be looked for in it"},
+       "a full library, and then a place with too many corners to be searched for in it"},
       {"lost-small-library",
        "density=25 contrast=120 step_mm=30 attack=4 attack_from=200 attack_seed=7 frames=320",
-       "a library of a few dozen landmarks looked through for a place that it does not hold"},
-      {"bred-vehicle",
+       "a library of a few dozen landmarks searched for a place that it does not contain"},
+      {"evolved-vehicle",
        "seed=268363 frames=46 density=39 contrast=92 along=1 step_mm=40 depth_mm=3019 "
        "turn_after=60 period_us=43943 noise=3 attack=1 attack_size=16 attack_seed=336178 "
        "lie_mm=-351 turn_sigma=521 speed_sigma=758",
-       "the dearest that a search found for the vehicle"},
-      {"bred-handheld",
+       "the most expensive that a search found for the vehicle"},
+      {"evolved-handheld",
        "frames=46 cell_px=7 contrast=212 step_mm=33 depth_mm=6360 attack=1 attack_seed=1 "
        "attack_step_mm=399 speed_sigma=1246",
-       "the dearest that a search found for a camera in the hand"},
+       "the most expensive that a search found for a hand-held camera"},
   };
   return all;
 }

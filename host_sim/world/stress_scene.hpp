@@ -9,11 +9,11 @@
 
 namespace cairn::host {
 
-/// A synthetic input made to be dear: a textured plane that the camera passes or drives at, with
-/// frames of another kind thrown in. All of it is integers and a seed, so that it is the same
+/// A synthetic input made to be expensive: a textured plane that the camera passes or drives at,
+/// with frames of another kind thrown in. All of it is integers and a seed, so that it is the same
 /// everywhere and a search can change it. 640x480.
 ///
-/// A field is set by name (`set`), in the range that `fields()` tells.
+/// A field is set by name (`set`), in the range that `fields()` gives.
 struct StressScene {
   int handheld = 0;  ///< 0: vehicle with odometry, 1: video alone
   int seed = 1;
@@ -23,9 +23,9 @@ struct StressScene {
   int density = 40;     ///< percent, kDots
   int contrast = 200;   ///< grey levels
   int along = 0;        ///< 0: the camera passes the plane, 1: drives at it
-  int step_mm = 30;     ///< way per frame
+  int step_mm = 30;     ///< distance travelled per frame
   int depth_mm = 5000;  ///< of the plane at the start
-  int turn_after = 0;   ///< frames after which the way goes back; 0: never
+  int turn_after = 0;   ///< frames after which the camera turns back; 0: never
   int period_us = 33333;
   int noise = 2;            ///< grey levels of each pixel, to both sides
   int attack = 0;           ///< Attack
@@ -33,8 +33,8 @@ struct StressScene {
   int attack_every = 1;     ///< frames from one attacked frame to the next
   int attack_size = 8;      ///< px
   int attack_seed = 0;      ///< of the attacked frames' own draws
-  int attack_step_mm = -1;  ///< way per frame from the first attack on; -1: as before
-  int lie_mm = 0;        ///< by so much too far does odometry say the way of an attacked frame is
+  int attack_step_mm = -1;  ///< step_mm from the first attack on; -1: as before
+  int lie_mm = 0;        ///< by so much too long is the distance of an attacked frame by odometry
   int turn_sigma = 2;    ///< odometry noise as stated, mrad/s
   int speed_sigma = 20;  ///< same, mm/s
 
@@ -58,7 +58,7 @@ struct StressScene {
   bool attacked(int frame) const;
 };
 
-/// Scenes by name: each drives one part of a frame to its dearest.
+/// Scenes by name: each drives one part of a frame to its worst case.
 struct NamedStressScene {
   const char* name;
   const char* fields;  ///< as StressScene::set takes them, with spaces between
@@ -69,7 +69,7 @@ const std::vector<NamedStressScene>& named_stress_scenes();
 inline constexpr int kStressWidth = 640;
 inline constexpr int kStressHeight = 480;
 
-/// Draws a scene's frames and tells its odometry.
+/// A scene's frames and odometry.
 class StressRenderer {
  public:
   explicit StressRenderer(const StressScene& scene);
@@ -77,7 +77,7 @@ class StressRenderer {
   /// Camera, places and noises of the scene.
   InputLogHeader header() const;
   std::int64_t t_us(int frame) const { return static_cast<std::int64_t>(frame) * scene_.period_us; }
-  /// Of the way from the frame before.
+  /// From the frame before to this one.
   OdometrySample odometry(int frame) const;
   void draw(int frame, std::uint8_t* pixels) const;
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host_sim/planar/experiment.hpp"
-#include "host_sim/planar/operation_count.hpp"
+#include "host_sim/experiments/consistency/experiment.hpp"
+#include "host_sim/experiments/consistency/operation_count.hpp"
 
 namespace cairn::host {
 namespace {

@@ -4,9 +4,10 @@
 
 #include "cairn/numeric/math.hpp"
 
-#include "host_sim/planar/experiment.hpp"
-#include "host_sim/planar/filter.hpp"
-#include "host_sim/planar/reference/reduced_lifted.hpp"
+#include "host_sim/base/statistics.hpp"
+#include "host_sim/experiments/consistency/experiment.hpp"
+#include "host_sim/experiments/consistency/filter.hpp"
+#include "host_sim/experiments/consistency/reference/reduced_lifted.hpp"
 #include "host_sim/world/gaussian.hpp"
 
 namespace cairn::host {
@@ -91,10 +92,12 @@ TEST(PlanarExperiment, PathIsClosedAndInsideTheField) {
 
 TEST(PlanarExperiment, BandsAreThoseOfTheLiterature) {
   // Exact chi-square quantiles of 3 N degrees of freedom, divided by N.
-  EXPECT_NEAR(average_nees_band(50, 3).low, 2.3597, 2e-3);
-  EXPECT_NEAR(average_nees_band(50, 3).high, 3.7160, 2e-3);
-  EXPECT_NEAR(average_nees_band(200, 3).low, 2.6700, 2e-3);
-  EXPECT_NEAR(average_nees_band(200, 3).high, 3.3489, 2e-3);
+  EXPECT_NEAR(average_nees_band(50, 3).low, 2.3597, 6e-5);
+  EXPECT_NEAR(average_nees_band(50, 3).high, 3.7160, 6e-5);
+  EXPECT_NEAR(average_nees_band(200, 3).low, 2.6701, 6e-5);
+  EXPECT_NEAR(average_nees_band(200, 3).high, 3.3488, 6e-5);
+  EXPECT_NEAR(average_nees_band(2, 3).low, 0.6187, 6e-5);
+  EXPECT_NEAR(average_nees_band(2, 3).high, 7.2247, 6e-5);
 }
 
 TEST(PlanarExperiment, GaussianRandomHasUnitVarianceAndNoMean) {
@@ -148,8 +151,8 @@ TEST(ReducedLifted, BothNoisesAgreeForSmallUncertainty) {
   config.heading_variance_rad2 = 1e-6;
   config.loop_s = 10.0;
   const SimulatedRun run = simulate_run(config, 11, 0);
-  const auto jacobian = make_planar_filter("reduced-jacobian", config.landmarks);
-  const auto moments = make_planar_filter("reduced-moments", config.landmarks);
+  const auto jacobian = make_filter_under_test("reduced-jacobian", config.landmarks);
+  const auto moments = make_filter_under_test("reduced-moments", config.landmarks);
   for (auto* filter : {jacobian.get(), moments.get()}) {
     filter->initialise(run.estimated_start, run.start_covariance);
     for (const auto& step : run.steps) {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/planar/recorded/recorded_run.hpp"
+#include "host_sim/recorded/recorded_run.hpp"
 
 namespace cairn::host {
 namespace {

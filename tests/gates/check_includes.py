@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Holds the arrows between the parts: host_sim -> core, port; port -> core; core -> fixed-size Eigen
-and freestanding-friendly headers alone; inside the core downwards only (BELOW).
+and freestanding-friendly headers alone; inside the core and the host simulation downwards only
+(BELOW, HOST_BELOW).
 
 usage: check_includes.py ROOT
 """
@@ -30,7 +31,44 @@ BELOW = {
     "tracking": "base numeric vision geometry estimation planar mono map",
     "runtime": "base numeric vision geometry estimation planar mono map tracking ar",
 }
-MODULES = {module: {module, *below.split()} for module, below in BELOW.items()}
+# The same of host_sim's folders. A file stands in the deepest of them that its path names.
+HOST_BELOW = {
+    "base": "",
+    "io": "",
+    "replay": "",
+    "world": "",
+    "render": "",
+    "options": "base",
+    "sources": "io world",
+    "trackers": "base options io replay sources",
+    "evaluation": "base sources",
+    "running": "base render sources trackers evaluation",
+    "reports": "base io sources trackers evaluation running",
+    "timing": "base options io replay sources trackers running reports",
+    "recorded": "base options io world trackers evaluation reports",
+    "experiments/consistency": "base io world evaluation reports",
+    "experiments/turntable": "base io world reports",
+    "experiments/relocalisation": "base io sources trackers evaluation",
+    "experiments/vision": "io",
+    "commands": "base options io world sources trackers evaluation running reports timing recorded "
+                "experiments/consistency experiments/turntable experiments/relocalisation experiments/vision",
+    "main.cpp": "io options commands",
+}
+
+
+def downwards(below):
+    """What each module may use. No module may use a later one, so there is no cycle."""
+    allowed = {}
+    for module, names in below.items():
+        unknown = set(names.split()) - set(allowed)
+        if unknown:
+            sys.exit(f"check_includes: {module} is listed before {', '.join(sorted(unknown))}")
+        allowed[module] = {module, *names.split()}
+    return allowed
+
+
+MODULES = downwards(BELOW)
+HOST_FOLDERS = downwards(HOST_BELOW)
 
 
 def core_module(path):
@@ -60,18 +98,42 @@ def port_fault(name):
     return "the port knows the core alone" if re.match(r"host_sim/|opencv2/|tests/", name) else None
 
 
+def host_folder(path):
+    """The folder of `path`, which is relative to host_sim/; None for one that is not listed."""
+    return next((folder for folder in HOST_FOLDERS if path == folder or path.startswith(folder + "/")), None)
+
+
+def host_fault(path, name):
+    if re.match("tests/", name):
+        return "host_sim does not know the tests"
+    folder = host_folder(path)
+    if folder is None:
+        return "its folder is not in HOST_BELOW"
+    if not name.startswith("host_sim/"):
+        return None
+    target = host_folder(name[len("host_sim/"):])
+    return None if target in HOST_FOLDERS[folder] else f"{folder} may not use {target}"
+
+
+def fault_of(relative, quote, name):
+    if relative.parts[0] == "core":
+        return core_fault(core_module(relative), quote, name)
+    if relative.parts[0] == "port":
+        return port_fault(name)
+    return host_fault("/".join(relative.parts[1:]), name)
+
+
 def main():
     root = pathlib.Path(sys.argv[1])
     faults, files = [], 0
-    for top in ("core", "port"):
+    for top in ("core", "port", "host_sim"):
         for path in sorted((root / top).rglob("*")):
             if path.suffix not in {".hpp", ".h", ".cpp", ".c", ".inc"}:
                 continue
             files += 1
             relative = path.relative_to(root)
             for quote, name in INCLUDE.findall(path.read_text()):
-                fault = (core_fault(core_module(relative), quote, name) if top == "core"
-                         else port_fault(name))
+                fault = fault_of(relative, quote, name)
                 if fault:
                     faults.append(f"{relative}: {name}: {fault}")
     print("\n".join(faults))

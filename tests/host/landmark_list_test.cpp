@@ -1,4 +1,4 @@
-#include "host_sim/run/landmark_list.hpp"
+#include "host_sim/trackers/landmark_list.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "host_sim/mono/turntable_room.hpp"
-#include "host_sim/run/runner.hpp"
+#include "host_sim/experiments/turntable/turntable_room.hpp"
+#include "host_sim/running/runner.hpp"
 #include "host_sim/sources/data_sets.hpp"
 #include "temporary_folder.hpp"
 

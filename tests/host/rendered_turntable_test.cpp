@@ -1,4 +1,4 @@
-#include "host_sim/mono/rendered_turntable.hpp"
+#include "host_sim/experiments/turntable/rendered_turntable.hpp"
 
 #include <string>
 #include <vector>

@@ -2,14 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include "host_sim/base/statistics.hpp"
+#include "host_sim/evaluation/registration_error.hpp"
+#include "host_sim/evaluation/trajectory_evaluation.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
-#include "host_sim/run/registration_error.hpp"
-#include "host_sim/run/report.py.hpp"
-#include "host_sim/run/run_outputs.hpp"
-#include "host_sim/run/runner.hpp"
-#include "host_sim/run/statistics.hpp"
-#include "host_sim/run/trajectory_evaluation.hpp"
+#include "host_sim/reports/report.py.hpp"
+#include "host_sim/reports/run_folder.hpp"
+#include "host_sim/reports/run_outputs.hpp"
+#include "host_sim/running/runner.hpp"
 #include "host_sim/sources/hall_source.hpp"
 #include "host_sim/world/gaussian.hpp"
 #include "temporary_folder.hpp"

@@ -1,4 +1,4 @@
-#include "host_sim/mono/starry_night.hpp"
+#include "host_sim/recorded/starry_night.hpp"
 
 #include <cmath>
 #include <fstream>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "host_sim/run/tracker.hpp"
+#include "host_sim/trackers/tracker.hpp"
 
 namespace cairn::host {
 

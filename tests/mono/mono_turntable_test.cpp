@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host_sim/mono/turntable_experiment.hpp"
+#include "host_sim/experiments/turntable/turntable_experiment.hpp"
 
 namespace cairn {
 namespace {

@@ -152,7 +152,7 @@ bool replay_log(const std::string& path, Counters& counters) {
 
 constexpr int kWarmFrames = 40;    // until the map is full
 constexpr int kAttackFrames = 6;   // judged
-constexpr std::size_t kKept = 12;  // dearest scenes, of which new ones are bred
+constexpr std::size_t kKept = 12;  // most expensive scenes, of which new ones evolve
 constexpr std::size_t kWarmKept = 48;
 constexpr int kSavedEvery =
     250;  // tries after which the profile is written, should the search be ended
@@ -193,15 +193,15 @@ class Trial {
  private:
   std::uint64_t run(Machine<Tracker>& machine, const StressRenderer& renderer, int from, int to,
                     const StressScene& scene) {
-    std::uint64_t dearest = 0;
+    std::uint64_t worst = 0;
     std::vector<cairn::OdometrySample> odometry;
     for (int frame = from; frame < to; ++frame) {
       renderer.draw(frame, pixels_.data());
       odometry.clear();
       if (scene.handheld == 0) odometry.push_back(renderer.odometry(frame));
-      dearest = std::max(dearest, machine.frame(odometry, renderer.t_us(frame), image_, counters_));
+      worst = std::max(worst, machine.frame(odometry, renderer.t_us(frame), image_, counters_));
     }
-    return dearest;
+    return worst;
   }
 
   Counters& counters_;
@@ -235,7 +235,7 @@ void mutate(StressScene& scene, const StressScene::Field& field, cairn::Random& 
   value = std::clamp(value + random.below(2 * step + 1) - step, field.low, field.high);
 }
 
-StressScene bred(const StressScene& parent, cairn::Random& random) {
+StressScene evolved(const StressScene& parent, cairn::Random& random) {
   StressScene child = parent;
   const bool attack_alone = random.below(8) != 0;
   for (int changes = 1 + random.below(3); changes > 0;) {
@@ -253,7 +253,7 @@ struct Found {
   StressScene scene;
 };
 
-/// Breeds scenes of one mode, the dearest of which are kept.
+/// Evolves scenes of one mode, the most expensive of which are kept.
 template <class Tracker>
 class Search {
  public:
@@ -285,7 +285,7 @@ class Search {
       scene.set(named[static_cast<std::size_t>(tries_)].name);
     } else {
       const int parent = random_.below(static_cast<int>(kept_.size()));
-      scene = bred(kept_[static_cast<std::size_t>(parent)].scene, random_);
+      scene = evolved(kept_[static_cast<std::size_t>(parent)].scene, random_);
     }
     scene.handheld = handheld_;
     scene.attack_from = kWarmFrames;

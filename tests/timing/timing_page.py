@@ -34,7 +34,7 @@ instructions than this table says. Renew it with `tests/timing/timing_gate.py --
 # What CI replays: whole frames of the default configuration; few, so that it stays short.
 GATE_TARGET = "cortex-m7"
 GATE_INPUTS = {"hall", "hall-handheld", "seven-scenes", "map-in-view-vehicle", "lost-full-library-vehicle",
-               "crowded-full-library-vehicle", "bred-vehicle", "noise-handheld", "scene-cut-handheld"}
+               "crowded-full-library-vehicle", "evolved-vehicle", "noise-handheld", "scene-cut-handheld"}
 STAGES = [stage for stage in frame_timing.STAGES if stage != "frame"]
 BEGIN, END = "<!-- gate -->", "<!-- end of gate -->"
 

@@ -1,0 +1,255 @@
+#include "host_sim/commands/relocalisation_command.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/os.h>
+#include <nlohmann/json.hpp>
+
+#include "host_sim/base/statistics.hpp"
+#include "host_sim/commands/option_checks.hpp"
+#include "host_sim/experiments/relocalisation/cut.hpp"
+#include "host_sim/experiments/relocalisation/kidnap.hpp"
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/reports/build_info.hpp"
+#include "host_sim/reports/run_folder.hpp"
+#include "host_sim/sources/data_sets.hpp"
+
+namespace cairn::host {
+namespace {
+
+constexpr int kFramesPerSecond = 30;
+
+struct RelocalisationOptions {
+  KidnapSettings kidnap;
+  CutSettings cut;
+  std::string source;         ///< empty: the built-in hall
+  std::optional<int> trials;  ///< of each kind and length
+  std::vector<int> lengths;
+  std::filesystem::path out;
+};
+
+bool recovered(const KidnapTrial& trial) {
+  return trial.frames_to_recovery >= 0 && trial.frames_to_recovery <= 2 * kFramesPerSecond;
+}
+
+/// 3 sigma of the normal distribution in 3 degrees of freedom.
+double three_sigma_squared() {
+  static const double value = chi_square_quantile(3.0, 0.9973);
+  return value;
+}
+
+bool is_false(const KidnapTrial& trial) {
+  return trial.claimed && trial.jump_squared > three_sigma_squared();
+}
+
+bool is_overconfident(const KidnapTrial& trial) {
+  return trial.claimed && trial.claimed_squared > three_sigma_squared();
+}
+
+nlohmann::json summarise(const std::vector<KidnapTrial>& trials, KidnapKind kind, int length) {
+  int count = 0, in_time = 0, wrong = 0, overconfident = 0, by_library = 0;
+  std::vector<double> frames;
+  double worst_error = 0.0, worst_undisturbed = 0.0;
+  for (const KidnapTrial& trial : trials) {
+    if (trial.kind != kind || trial.length != length) continue;
+    ++count;
+    in_time += recovered(trial) ? 1 : 0;
+    wrong += is_false(trial) ? 1 : 0;
+    overconfident += is_overconfident(trial) ? 1 : 0;
+    by_library += trial.relocalised ? 1 : 0;
+    if (trial.frames_to_recovery >= 0) frames.push_back(trial.frames_to_recovery);
+    worst_error = std::max(worst_error, trial.error_m);
+    worst_undisturbed = std::max(worst_undisturbed, trial.undisturbed_error_m);
+  }
+  std::sort(frames.begin(), frames.end());
+  return {{"kind", to_string(kind)},
+          {"frames_blind", length},
+          {"trials", count},
+          {"recovered_in_2_s", in_time},
+          {"false_recoveries", wrong},
+          {"outside_own_3_sigma", overconfident},
+          {"by_library", by_library},
+          {"median_frames",
+           frames.empty() ? nlohmann::json(nullptr) : nlohmann::json(frames[frames.size() / 2])},
+          {"worst_error_m", worst_error},
+          {"worst_undisturbed_error_m", worst_undisturbed}};
+}
+
+void write_trials(const std::filesystem::path& folder, const std::vector<KidnapTrial>& trials) {
+  auto file = fmt::output_file((folder / "kidnapped.csv").string());
+  file.print(
+      "kind,frames_blind,start,frames_to_recovery,relocalised,tracking,error_m,"
+      "undisturbed_error_m,claimed_squared,jump_squared\n");
+  for (const KidnapTrial& t : trials) {
+    file.print("{},{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.3f}\n", to_string(t.kind), t.length,
+               t.start, t.frames_to_recovery, t.relocalised ? 1 : 0, t.claimed ? 1 : 0, t.error_m,
+               t.undisturbed_error_m, t.claimed_squared, t.jump_squared);
+  }
+}
+
+nlohmann::json summarise(const std::vector<CutTrial>& trials, bool black, int length) {
+  constexpr double kFalse_m = 0.3;
+  int count = 0, in_time = 0, wrong = 0, silent = 0;
+  std::vector<double> errors, undisturbed;
+  for (const CutTrial& trial : trials) {
+    if (trial.black != black || trial.length != length) continue;
+    ++count;
+    in_time += trial.frames_to_recovery >= 0 && trial.frames_to_recovery <= 2 * kFramesPerSecond;
+    wrong += trial.tracking && trial.error_m > kFalse_m ? 1 : 0;
+    silent += trial.said_lost ? 0 : 1;
+    if (!trial.tracking) continue;
+    errors.push_back(trial.error_m);
+    undisturbed.push_back(trial.undisturbed_error_m);
+  }
+  const auto median = [](std::vector<double>& v) {
+    if (v.empty()) return nlohmann::json(nullptr);
+    std::sort(v.begin(), v.end());
+    return nlohmann::json(v[v.size() / 2]);
+  };
+  return {{"kind", black ? "black" : "cut"},
+          {"frames_blind", length},
+          {"trials", count},
+          {"recovered_in_2_s", in_time},
+          {"false_recoveries", wrong},
+          {"loss_not_reported", silent},
+          {"median_error_m", median(errors)},
+          {"median_undisturbed_error_m", median(undisturbed)}};
+}
+
+void write_trials(const std::filesystem::path& folder, const std::vector<CutTrial>& trials) {
+  auto file = fmt::output_file((folder / "cut.csv").string());
+  file.print(
+      "kind,frames_blind,start,library,said_lost,frames_to_recovery,tracking,error_m,"
+      "undisturbed_error_m\n");
+  for (const CutTrial& t : trials) {
+    file.print("{},{},{},{},{},{},{},{:.4f},{:.4f}\n", t.black ? "black" : "cut", t.length, t.start,
+               t.library, t.said_lost ? 1 : 0, t.frames_to_recovery, t.tracking ? 1 : 0, t.error_m,
+               t.undisturbed_error_m);
+  }
+}
+
+/// Hand-held trials on a recording. They hold where no recovery is false and every loss is said:
+/// how many recover depends on whether the camera returns to what it has mapped.
+ExitCode run_cut(const RelocalisationOptions& options, const std::string& command_line) {
+  constexpr const char* kSevenScenes = "seven-scenes:";
+  if (options.source.rfind(kSevenScenes, 0) != 0) {
+    throw UsageError("--source: expected seven-scenes:DIR");
+  }
+  CutSettings settings = options.cut;
+  settings.seed = options.kidnap.seed;
+  if (options.trials.has_value()) settings.trials = *options.trials;
+  if (!options.lengths.empty()) settings.lengths = options.lengths;
+  const auto source =
+      make_seven_scenes_source(options.source.substr(std::string(kSevenScenes).size()), {});
+  make_folder(options.out);
+  const std::vector<CutTrial> trials = run_cut_trials(*source, settings, [](int, int) {});
+  write_trials(options.out, trials);
+  nlohmann::json summary = {{"command", command_line},
+                            {"seed", settings.seed},
+                            {"version", build_info().version},
+                            {"cut", nlohmann::json::array()}};
+  bool holds = true;
+  fmt::print("{:<8} {:>6} {:>7} {:>12} {:>6} {:>18} {:>15} {:>15}\n", "kind", "blind", "trials",
+             "back in 2 s", "false", "loss not reported", "median error m", "undisturbed m");
+  for (const bool black : {false, true}) {
+    for (const int length : settings.lengths) {
+      const nlohmann::json row = summarise(trials, black, length);
+      holds = holds && row["false_recoveries"] == 0 && row["loss_not_reported"] == 0;
+      fmt::print("{:<8} {:>6} {:>7} {:>12} {:>6} {:>18} {:>15} {:>15}\n",
+                 row["kind"].get<std::string>(), length, row["trials"].get<int>(),
+                 row["recovered_in_2_s"].get<int>(), row["false_recoveries"].get<int>(),
+                 row["loss_not_reported"].get<int>(), row["median_error_m"].dump().substr(0, 6),
+                 row["median_undisturbed_error_m"].dump().substr(0, 6));
+      summary["cut"].push_back(row);
+    }
+  }
+  summary["holds"] = holds;
+  write_json(options.out / "summary.json", summary);
+  fmt::print("results in {}\n", options.out.string());
+  return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
+}
+
+ExitCode run_kidnapped(RelocalisationOptions options, const std::string& command_line) {
+  if (options.trials.has_value()) options.kidnap.trials = *options.trials;
+  if (!options.lengths.empty()) options.kidnap.lengths = options.lengths;
+  if (options.kidnap.last_frame < options.kidnap.first_frame) {
+    throw UsageError("--last-frame lies before --first-frame");
+  }
+  make_folder(options.out);
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const std::vector<KidnapTrial> trials =
+      run_kidnap_trials(options.kidnap, [terminal](int done, int total) {
+        if (!terminal || done % 10 != 0) return;
+        fmt::print(stderr, "\rframe {} of {}", done, total);
+        std::fflush(stderr);
+      });
+  if (terminal) fmt::print(stderr, "\r{:40}\r", "");
+  write_trials(options.out, trials);
+  const BuildInfo build = build_info();
+  nlohmann::json summary = {{"command", command_line},
+                            {"seed", options.kidnap.seed},
+                            {"version", build.version},
+                            {"compiler", build.compiler},
+                            {"kidnapped", nlohmann::json::array()}};
+  bool holds = true;
+  fmt::print("{:<12} {:>6} {:>7} {:>14} {:>6} {:>14} {:>11} {:>14} {:>11}\n", "kind", "blind",
+             "trials", "back in 2 s", "false", "overconfident", "by library", "median frames",
+             "worst m");
+  for (const KidnapKind kind : {KidnapKind::kBlack, KidnapKind::kOtherPlace}) {
+    for (const int length : options.kidnap.lengths) {
+      const nlohmann::json row = summarise(trials, kind, length);
+      const int count = row["trials"];
+      holds = holds && row["false_recoveries"] == 0 &&
+              100 * row["recovered_in_2_s"].get<int>() >= 95 * count;
+      fmt::print("{:<12} {:>6} {:>7} {:>14} {:>6} {:>14} {:>11} {:>14} {:>11.2f}\n",
+                 to_string(kind), length, count, row["recovered_in_2_s"].get<int>(),
+                 row["false_recoveries"].get<int>(), row["outside_own_3_sigma"].get<int>(),
+                 row["by_library"].get<int>(), row["median_frames"].dump(),
+                 row["worst_error_m"].get<double>());
+      summary["kidnapped"].push_back(row);
+    }
+  }
+  summary["holds"] = holds;
+  write_json(options.out / "summary.json", summary);
+  fmt::print("results in {}\n", options.out.string());
+  return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
+}
+
+}  // namespace
+
+void register_relocalisation_command(CommandContext& context) {
+  auto options = std::make_shared<RelocalisationOptions>();
+  CLI::App* command = context.app.add_subcommand("relocalisation",
+                                                 "Trials in which the picture goes and comes back");
+  command->alias("faults");
+  command->add_option("--source", options->source,
+                      "seven-scenes:DIR for the hand-held tracker; the hall without it");
+  command->add_option("--trials", options->trials, "Trials of each kind and length")
+      ->check(CLI::Range(1, 10000));
+  command
+      ->add_option("--lengths", options->lengths,
+                   "Frames without the true picture, separated by commas")
+      ->delimiter(',')
+      ->check(CLI::Range(1, 2000));
+  command->add_option("--first-frame", options->kidnap.first_frame, "Earliest start of a trial")
+      ->check(not_negative());
+  command->add_option("--last-frame", options->kidnap.last_frame, "Latest start of a trial")
+      ->check(not_negative());
+  command->add_option("--seed", options->kidnap.seed, "Seed of the hall and of the trials")
+      ->check(seed_number());
+  command->add_option("--out", options->out, "Folder of the results")->required();
+  command->callback([options, &context] {
+    context.exit_code = options->source.empty() ? run_kidnapped(*options, context.command_line)
+                                                : run_cut(*options, context.command_line);
+  });
+}
+
+}  // namespace cairn::host

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "host_sim/commands/command.hpp"
+
+namespace cairn::host {
+
+/// `cairn_sim relocalisation`: trials in the hall, or on a recording of a hand-held camera.
+void register_relocalisation_command(CommandContext& context);
+
+}  // namespace cairn::host

@@ -1,0 +1,277 @@
+#include "host_sim/commands/video_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "cairn/base/config.hpp"
+
+#include "host_sim/base/names.hpp"
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/reports/report.py.hpp"
+#include "host_sim/reports/run_folder.hpp"
+#include "host_sim/reports/run_outputs.hpp"
+#include "host_sim/running/runner.hpp"
+#include "host_sim/sources/data_sets.hpp"
+#include "host_sim/sources/hall_source.hpp"
+#include "host_sim/sources/scaled_source.hpp"
+#include "host_sim/sources/stress_source.hpp"
+#include "host_sim/sources/video_source.hpp"
+#include "host_sim/timing/timing_run.hpp"
+#include "host_sim/trackers/input_log_file.hpp"
+#include "host_sim/world/gaussian.hpp"
+
+namespace cairn::host {
+namespace {
+
+constexpr int kHallSmallFrames = 60;
+constexpr int kRecordedAnchorFrames = 10;
+
+FrameRange range_of(const RunOptions& options) {
+  return {options.first_frame, options.max_frames};
+}
+
+Mode mode_of(const RunOptions& options, const SourceInfo& source) {
+  if (options.mode.empty()) return source.odometry.has_value() ? Mode::kVehicle : Mode::kHandheld;
+  const Mode mode = options.mode == "vehicle" ? Mode::kVehicle : Mode::kHandheld;
+  if (mode == Mode::kVehicle && !source.odometry.has_value()) {
+    throw UsageError(fmt::format("--mode vehicle: source '{}' has no odometry", source.name));
+  }
+  return mode;
+}
+
+std::string filter_of(const RunOptions& options, Mode mode) {
+  if (options.filter.empty()) {
+    return mode == Mode::kVehicle ? kDefaultVehicleFilter : kDefaultHandheldFilter;
+  }
+  if (mode == Mode::kHandheld && options.filter != kDefaultHandheldFilter) {
+    throw UsageError(fmt::format("--filter {}: handheld mode runs with mono", options.filter));
+  }
+  if (mode == Mode::kVehicle && options.filter == kDefaultHandheldFilter) {
+    throw UsageError("--filter mono: vehicle mode runs with group-iekf, lifted-iekf or ekf");
+  }
+  return options.filter;
+}
+
+/// Vehicle runs start at the first true pose; a variance that is asked for draws the start error.
+void set_start(const RunOptions& options, const Frame& first, TrackerOptions& tracker) {
+  if (first.true_T_world_vehicle.has_value()) {
+    const Rigid<double>& truth = *first.true_T_world_vehicle;
+    const Vector3<double> forward = truth.rotation * Vector3<double>::UnitX();
+    tracker.start_x_m = truth.translation.x();
+    tracker.start_y_m = truth.translation.y();
+    tracker.start_theta_rad = cairn::atan2(forward.y(), forward.x());
+  }
+  GaussianRandom random(options.seed ^ 0x57a27ULL);
+  if (options.start_position_variance.has_value()) {
+    tracker.start_position_variance = *options.start_position_variance;
+    tracker.start_x_m += random.normal(std::sqrt(*options.start_position_variance));
+    tracker.start_y_m += random.normal(std::sqrt(*options.start_position_variance));
+  }
+  if (options.start_heading_variance.has_value()) {
+    tracker.start_heading_variance = *options.start_heading_variance;
+    tracker.start_theta_rad = wrap_angle(tracker.start_theta_rad +
+                                         random.normal(std::sqrt(*options.start_heading_variance)));
+  }
+}
+
+TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& source,
+                               const Frame& first) {
+  TrackerOptions tracker;
+  tracker.mode = mode_of(options, source);
+  tracker.filter = filter_of(options, tracker.mode);
+  tracker.fading = options.fading;
+  tracker.budget_ms = options.budget_ms;
+  tracker.seed = options.seed;
+  tracker.handheld = options.handheld;
+  tracker.work_limit = options.work_limit;
+  if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
+    throw UsageError("--measurement and the options beside it: only for --mode handheld");
+  }
+  if (tracker.mode == Mode::kVehicle && !options.fading.empty()) {
+    throw UsageError("--fading: only for --filter mono");
+  }
+  if (tracker.mode == Mode::kHandheld &&
+      (options.start_heading_variance || options.start_position_variance)) {
+    throw UsageError(
+        "--start-heading-variance, --start-position-variance: only for --mode vehicle");
+  }
+  if (tracker.mode == Mode::kVehicle) set_start(options, first, tracker);
+  return tracker;
+}
+
+RegistrationSettings registration_settings(const SourceInfo& source, Mode mode) {
+  RegistrationSettings settings;
+  const bool built_in = source.name == "hall" || source.name == "hall-small";
+  if (!built_in) settings.anchor_frames = kRecordedAnchorFrames;
+  if (mode == Mode::kHandheld) settings.map_scale.reset();
+  return settings;
+}
+
+void print_row(const char* name, const nlohmann::json& row, double paper_ms) {
+  fmt::print("{:<34}{:>9.3f}{:>9.3f}{:>9.3f}{:>9.3f}{:>10.2f} %{:>10.2f}\n", name,
+             row["p50"].get<double>(), row["p95"].get<double>(), row["p99"].get<double>(),
+             row["max"].get<double>(), 100.0 * row["over_budget"].get<double>(), paper_ms);
+}
+
+std::string figure(const nlohmann::json& value, const char* unit) {
+  return value.is_null() ? std::string("-") : fmt::format("{:.3f} {}", value.get<double>(), unit);
+}
+
+void print_summary(const nlohmann::json& summary) {
+  const nlohmann::json& latency = summary["latency_ms"];
+  fmt::print("\n{:<34}{:>9}{:>9}{:>9}{:>9}{:>12}{:>10}\n", "per frame, ms", "p50", "p95", "p99",
+             "max", "over", "paper");
+  for (const StageRow& row : kStageRows) {
+    print_row(row.name, latency["stages"][row.key], row.paper_iekf_ms);
+  }
+  print_row("whole frame", latency, kPaperTotalMs);
+  fmt::print("\nframes {}   tracked {}   lost {}   relocalised {}\n", summary["frames"].get<int>(),
+             summary["tracked"].get<int>(), summary["lost"].get<int>(),
+             summary["relocalised"].get<int>());
+  const nlohmann::json& trajectory = summary["trajectory"];
+  if (!trajectory["aligned"].is_null()) {
+    fmt::print("trajectory error {} (aligned: {})   rotation {}\n",
+               figure(trajectory["ate_rmse_m"], "m"), trajectory["aligned"].get<std::string>(),
+               figure(trajectory["rotation_rmse_deg"], "deg"));
+  }
+  const nlohmann::json& registration = summary["registration_px"];
+  if (!registration["mean"].is_null()) {
+    fmt::print("registration error mean {}   p95 {}   max {}\n", figure(registration["mean"], "px"),
+               figure(registration["p95"], "px"), figure(registration["max"], "px"));
+  }
+  fmt::print("log hash {}\n", summary["log_hash"].get<std::string>());
+}
+
+/// The source with pictures of the size asked for, and of one that the tracker holds.
+std::unique_ptr<FrameSource> fit_source(std::unique_ptr<FrameSource> source,
+                                        const RunOptions& options) {
+  const PinholeCamera<double>& camera = source->info().camera;
+  const double fitting =
+      fitting_factor(camera, LargeConfig::kMaxImageWidth, LargeConfig::kMaxImageHeight);
+  const double factor = std::min(options.scale.value_or(1.0), fitting);
+  if (factor == 1.0) return source;
+  const bool asked = options.scale.has_value() && *options.scale == factor;
+  source = scale_source(std::move(source), factor);
+  if (!asked) {
+    fmt::print(stderr, "cairn_sim: {}: the tracker holds {}x{}\n", source->info().note,
+               LargeConfig::kMaxImageWidth, LargeConfig::kMaxImageHeight);
+  }
+  return source;
+}
+
+/// Says warnings that have come since the first `said`.
+void say_warnings(const SourceInfo& info, std::size_t& said) {
+  for (; said < info.warnings.size(); ++said) {
+    fmt::print(stderr, "cairn_sim: warning: {}\n", info.warnings[said]);
+  }
+}
+
+ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& options) {
+  const std::unique_ptr<FrameSource> fitting = fit_source(std::move(opened), options);
+  FrameSource& source = *fitting;
+  std::size_t warnings_said = 0;
+  say_warnings(source.info(), warnings_said);
+  Frame frame;
+  if (!source.next(frame)) throw InputError(options.source, "expected at least one frame");
+  const TrackerOptions tracker_settings = tracker_options(options, source.info(), frame);
+  const std::unique_ptr<Tracker> tracker = make_tracker(tracker_settings, source.info());
+  make_folder(options.out);
+  if (options.timing.has_value()) {
+    return time_frames({source, frame, *tracker, tracker_settings, options});
+  }
+
+  RunnerSettings runner;
+  runner.out = options.out;
+  runner.video = options.video;
+  runner.shaded = options.overlay == "shaded";
+  std::optional<RecordingSource> recording;
+  if (!options.record.empty()) {
+    recording.emplace(source, options.record,
+                      to_log_header(tracker_settings, source.info(), frame.t_us), frame,
+                      tracker_settings.work_limit);
+  }
+  FrameSource& input = recording ? *recording : source;
+  const RunRecord record = run_frames(input, frame, *tracker, runner);
+  const RegistrationResult registration =
+      evaluate_registration(record.registration_input, source.info().camera,
+                            registration_settings(source.info(), tracker_settings.mode));
+  const RunTrajectory trajectory = evaluate_run(record, tracker_settings.mode);
+  nlohmann::json summary = summarise(record, trajectory, registration, options.budget_ms);
+  summary["input"] = {{"warnings", source.info().warnings}, {"damaged", source.info().damaged}};
+
+  write_manifest(options.out, {options.command_line, tracker_settings, options.source},
+                 source.info(), record);
+  write_frames(options.out, record, registration);
+  write_trajectories(options.out, record, tracker_settings.mode);
+  write_landmarks(options.out, record);
+  write_json(options.out / "summary.json", summary);
+  print_summary(summary);
+  if (options.video && record.overlay.empty()) {
+    fmt::print("overlay video not written: OpenCV has no encoder for H.264, MPEG-4 or MJPG\n");
+  }
+  if (const auto problem = draw_with_python("report.html", kReportScript, options.out)) {
+    fmt::print("{}\n", *problem);
+  } else {
+    fmt::print("report: {}\n", (options.out / "report.html").string());
+  }
+  say_warnings(source.info(), warnings_said);
+  return source.info().damaged ? ExitCode::kInputInvalid : ExitCode::kOk;
+}
+
+HallOptions hall_options(const RunOptions& options) {
+  HallOptions hall;
+  hall.seed = options.seed;
+  hall.base_noise = options.odometry_noise == "base";
+  hall.first_frame = options.first_frame.value_or(0);
+  if (hall.first_frame < 0) throw UsageError("--first-frame: the hall's frames start at 0");
+  hall.frame_count = options.max_frames;
+  return hall;
+}
+
+}  // namespace
+
+ExitCode run_hall(const RunOptions& options, const std::string& /*argument*/) {
+  return run_source(make_hall_source(hall_options(options)), options);
+}
+
+ExitCode run_hall_small(const RunOptions& options, const std::string& /*argument*/) {
+  HallOptions hall = hall_options(options);
+  hall.width = 320;
+  hall.frame_count = options.max_frames.value_or(kHallSmallFrames);
+  return run_source(make_hall_source(hall), options);
+}
+
+ExitCode run_stress(const RunOptions& options, const std::string& fields) {
+  StressScene scene = parse_stress_scene(fields);
+  if (options.max_frames.has_value()) scene.frames = *options.max_frames;
+  return run_source(make_stress_source(scene), options);
+}
+
+ExitCode run_seven_scenes(const RunOptions& options, const std::string& folder) {
+  return run_source(make_seven_scenes_source(folder, range_of(options)), options);
+}
+
+ExitCode run_tag_board(const RunOptions& options, const std::string& folder) {
+  return run_source(make_tag_board_source(folder, range_of(options)), options);
+}
+
+ExitCode run_kitti(const RunOptions& options, const std::string& folder) {
+  return run_source(make_kitti_source(folder, range_of(options), options.seed), options);
+}
+
+ExitCode run_tum_rgbd(const RunOptions& options, const std::string& folder) {
+  return run_source(make_tum_rgbd_source(folder, options.camera, range_of(options)), options);
+}
+
+ExitCode run_video(const RunOptions& options, const std::string& media) {
+  return run_source(make_video_source({media, options.camera, options.odometry, options.times,
+                                       options.truth, range_of(options)}),
+                    options);
+}
+
+}  // namespace cairn::host

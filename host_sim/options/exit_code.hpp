@@ -1,0 +1,13 @@
+#pragma once
+
+namespace cairn::host {
+
+/// What cairn_sim returns to the shell.
+enum class ExitCode : int {
+  kOk = 0,
+  kCheckFailed = 1,   ///< the job ran, and what it checks does not hold
+  kUsage = 2,         ///< the command line is wrong
+  kInputInvalid = 3,  ///< an input is unreadable or invalid
+};
+
+}  // namespace cairn::host

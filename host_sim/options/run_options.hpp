@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_sim/base/names.hpp"
+#include "host_sim/options/handheld_options.hpp"
+
+namespace cairn::host {
+
+inline constexpr const char* kDefaultVehicleFilter = "group-iekf";
+inline constexpr const char* kDefaultHandheldFilter = "mono";
+inline constexpr double kDefaultBudgetMs = kPaperTotalMs;
+/// Of each coordinate of a start that is known, m^2 and rad^2.
+inline constexpr double kKnownStartVariance = 1e-6;
+
+/// What `cairn_sim timing` wants of a run; the times are always taken.
+struct TimingOptions {
+  int counted_frames = 60;    ///< whose instructions are counted; 0: none
+  double p99_below_ms = 0.0;  ///< the command fails above it; 0: no check
+};
+
+/// Options of `cairn_sim run`, common to video and landmark sources.
+struct RunOptions {
+  std::string source;  ///< as typed: NAME or NAME:REST
+  std::filesystem::path out;
+  std::string command_line;
+  std::string mode;    ///< vehicle, handheld; empty: the source's own
+  std::string filter;  ///< group-iekf, lifted-iekf, ekf, mono; empty: the mode's own
+  std::string fading;  ///< a number >= 1, adaptive; empty: the filter's own
+  double budget_ms = kDefaultBudgetMs;
+  std::uint64_t seed = 1;
+  std::optional<int> first_frame;
+  std::optional<int> max_frames;
+  bool video = true;
+  std::string overlay = "wireframe";  ///< or shaded
+  std::filesystem::path record;       ///< input log to write; empty: none
+  std::string odometry_noise = "s1";
+  std::optional<double> start_heading_variance;
+  std::optional<double> start_position_variance;
+  std::string profile = "plain";  ///< plain, calibrated: of landmark recordings
+  HandheldOptions handheld;
+  std::optional<int> work_limit;  ///< units of work a frame; empty: the tracker's own
+  std::filesystem::path camera;
+  std::filesystem::path odometry;
+  std::filesystem::path times;
+  std::filesystem::path truth;
+  std::optional<double> scale;          ///< of the pictures; empty: as far as the tracker needs
+  std::vector<std::string> given;       ///< names of the options on the command line
+  std::optional<TimingOptions> timing;  ///< time the frames instead of evaluating the run
+};
+
+}  // namespace cairn::host

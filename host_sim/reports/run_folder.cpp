@@ -1,0 +1,73 @@
+#include "host_sim/reports/run_folder.hpp"
+
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "cairn/base/hash.hpp"
+
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/reports/build_info.hpp"
+
+namespace cairn::host {
+
+using nlohmann::json;
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder, "cannot be created: " + error.message());
+}
+
+void write_json(const std::filesystem::path& path, const json& value) {
+  write_text(path, value.dump(2) + '\n');
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  file.close();
+  if (!file) throw InputError(path, "cannot be written");
+}
+
+void write_manifest(const std::filesystem::path& folder, const Manifest& manifest) {
+  json document = build_manifest();
+  document["command"] = manifest.command_line;
+  if (manifest.seed.has_value()) document["seed"] = *manifest.seed;
+  document["config"] = manifest.config;
+  if (!manifest.source.is_null()) document["source"] = manifest.source;
+  document["inputs"] = manifest.inputs;
+  write_json(folder / "manifest.json", document);
+}
+
+json build_manifest() {
+  const BuildInfo build = build_info();
+  return {{"version", build.version},
+          {"compiler", build.compiler},
+          {"flags", build.flags},
+          {"cpu", build.cpu}};
+}
+
+json hashes_of(const std::vector<std::filesystem::path>& files) {
+  json hashes = json::array();
+  for (const std::filesystem::path& path : files) {
+    hashes.push_back({{"file", path.string()}, {"hash", hash_of_file(path)}});
+  }
+  return hashes;
+}
+
+std::string hash_of_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(path, "cannot be read");
+  Hash64 hash;
+  char buffer[65536];
+  while (file.read(buffer, sizeof buffer) || file.gcount() > 0) {
+    for (std::streamsize i = 0; i < file.gcount(); ++i) {
+      hash.add(static_cast<std::uint8_t>(buffer[i]));
+    }
+  }
+  return fmt::format("{:016x}", hash.value());
+}
+
+}  // namespace cairn::host

@@ -1,0 +1,302 @@
+#include "host_sim/reports/run_outputs.hpp"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/os.h>
+
+#include "host_sim/base/core_conversions.hpp"
+#include "host_sim/base/names.hpp"
+#include "host_sim/base/statistics.hpp"
+#include "host_sim/io/pose_file.hpp"
+#include "host_sim/reports/latency.hpp"
+#include "host_sim/reports/run_folder.hpp"
+
+namespace cairn::host {
+namespace {
+
+using nlohmann::json;
+
+Rigid<double> planar_rigid(const PlanarPoseEstimate& pose) {
+  return {rotation_exp(Vector3<double>(0.0, 0.0, wrap_angle(pose.theta_rad))),
+          Vector3<double>(pose.x_m, pose.y_m, 0.0)};
+}
+
+/// The pose that the trajectory files hold: the vehicle as the filter has it, or the camera.
+std::optional<Rigid<double>> estimated_pose(const FrameRecord& frame, Mode mode) {
+  if (mode == Mode::kVehicle) {
+    if (!frame.vehicle.has_value()) return std::nullopt;
+    return planar_rigid(*frame.vehicle);
+  }
+  if (!frame.has_pose()) return std::nullopt;
+  return to_double(frame.report.T_map_camera);
+}
+
+const std::optional<Rigid<double>>& true_pose(const FrameRecord& frame, Mode mode) {
+  return mode == Mode::kVehicle ? frame.true_T_world_vehicle : frame.true_T_world_camera;
+}
+
+std::string field(const std::optional<double>& value) {
+  return value.has_value() ? fmt::format("{:.4f}", *value) : std::string();
+}
+
+json nees_json(const RunRecord& record) {
+  json result = {{"mean", nullptr}, {"inside_percent", nullptr}, {"dof", nullptr}};
+  double sum = 0.0;
+  int inside = 0;
+  int count = 0;
+  const Band band = chi_square_band_95(3);
+  for (const FrameRecord& frame : record.frames) {
+    if (!frame.nees.has_value()) continue;
+    sum += *frame.nees;
+    inside += band.contains(*frame.nees) ? 1 : 0;
+    ++count;
+  }
+  if (count == 0) return result;
+  return {{"mean", sum / count}, {"inside_percent", 100.0 * inside / count}, {"dof", 3}};
+}
+
+json nis_json(const RunRecord& record) {
+  json result = {{"mean", nullptr}, {"inside_percent", nullptr}, {"dof", nullptr}};
+  double sum = 0.0;
+  double dof = 0.0;
+  int inside = 0;
+  int count = 0;
+  for (const FrameRecord& frame : record.frames) {
+    const UpdateReport& update = frame.report.update;
+    if (update.nis_dof <= 0) continue;
+    const Band band = chi_square_band_95(update.nis_dof);
+    sum += update.nis;
+    dof += update.nis_dof;
+    inside += band.contains(update.nis) ? 1 : 0;
+    ++count;
+  }
+  if (count == 0) return result;
+  return {{"mean", sum / count}, {"inside_percent", 100.0 * inside / count}, {"dof", dof / count}};
+}
+
+json registration_json(const RegistrationResult& registration) {
+  std::vector<double> values;
+  for (const std::optional<double>& px : registration.frame_px) {
+    if (px.has_value()) values.push_back(*px);
+  }
+  if (values.empty()) {
+    return {{"mean", nullptr}, {"median", nullptr}, {"p95", nullptr}, {"max", nullptr}, {"n", 0}};
+  }
+  const Statistics s = statistics_of(values);
+  return {{"mean", s.mean},
+          {"median", s.p50},
+          {"p95", s.p95},
+          {"max", s.max},
+          {"n", registration.points},
+          {"frames", s.n},
+          {"map_scale", registration.map_scale}};
+}
+
+}  // namespace
+
+RunTrajectory evaluate_run(const RunRecord& record, Mode mode) {
+  RunTrajectory trajectory;
+  trajectory.planar = mode == Mode::kVehicle;
+  trajectory.alignment = mode == Mode::kVehicle ? Alignment::kStart : Alignment::kSim3;
+  std::vector<Rigid<double>> estimate, truth;
+  for (std::size_t i = 0; i < record.frames.size(); ++i) {
+    const FrameRecord& frame = record.frames[i];
+    const std::optional<Rigid<double>> pose = estimated_pose(frame, mode);
+    std::optional<Rigid<double>> real = true_pose(frame, mode);
+    if (!pose.has_value() || !real.has_value()) continue;
+    if (mode == Mode::kVehicle) {  // compared in the plane of the estimate
+      const Vector3<double> forward = real->rotation * Vector3<double>::UnitX();
+      real = planar_rigid({real->translation.x(), real->translation.y(),
+                           cairn::atan2(forward.y(), forward.x()), Matrix3<double>::Zero()});
+    }
+    estimate.push_back(*pose);
+    truth.push_back(*real);
+    trajectory.compared.push_back(i);
+  }
+  trajectory.evaluation = evaluate_trajectory(estimate, truth, trajectory.alignment);
+  return trajectory;
+}
+
+void write_manifest(const std::filesystem::path& folder, const RunIdentity& identity,
+                    const SourceInfo& source, const RunRecord& record) {
+  const TrackerOptions& options = identity.options;
+  const PinholeCamera<double>& c = source.camera;
+  Manifest manifest;
+  manifest.command_line = identity.command_line;
+  manifest.seed = options.seed;
+  manifest.config = {{"mode", options.mode == Mode::kVehicle ? "vehicle" : "handheld"},
+                     {"filter", options.filter},
+                     {"fading", options.fading.empty() ? json(nullptr) : json(options.fading)},
+                     {"budget_ms", options.budget_ms},
+                     {"start_position_variance", options.start_position_variance},
+                     {"start_heading_variance", options.start_heading_variance},
+                     {"tracker", record.tracker}};
+  manifest.source = {{"name", identity.source},
+                     {"frame_rate_hz", source.frame_rate_hz},
+                     {"note", source.note},
+                     {"warnings", source.warnings},
+                     {"camera",
+                      {{"fx", c.fx},
+                       {"fy", c.fy},
+                       {"cx", c.cx},
+                       {"cy", c.cy},
+                       {"k1", c.k1},
+                       {"k2", c.k2},
+                       {"p1", c.p1},
+                       {"p2", c.p2},
+                       {"k3", c.k3},
+                       {"width", c.width},
+                       {"height", c.height}}}};
+  manifest.inputs = hashes_of(source.inputs);
+  write_manifest(folder, manifest);
+}
+
+void write_frames(const std::filesystem::path& folder, const RunRecord& record,
+                  const RegistrationResult& registration) {
+  auto frames = fmt::output_file((folder / "frames.csv").string());
+  auto tracking = fmt::output_file((folder / "tracking.csv").string());
+  frames.print("{}", kFramesHeader);
+  tracking.print(
+      "frame,t_us,state,searched,hypotheses,low_innovation,high_innovation,gated,added,removed,"
+      "reentered,from_library,relocalised,nis,nis_dof,nees\n");
+  for (std::size_t i = 0; i < record.frames.size(); ++i) {
+    const FrameRecord& frame = record.frames[i];
+    const FrameReport& r = frame.report;
+    frames.print("{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{},{},{},{},{}\n",
+                 frame.number, r.t_us, cairn::to_string(r.status), frame.stage_ms[0],
+                 frame.stage_ms[1], frame.stage_ms[2], frame.stage_ms[3], frame.stage_ms[4],
+                 frame.total_ms, r.corners, r.candidates, r.matches, r.inliers, r.landmarks,
+                 field(registration.frame_px[i]));
+    tracking.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{:.4f},{},{}\n", frame.number, r.t_us,
+                   to_string(r.state), r.searched, r.update.hypotheses, r.update.low_innovation,
+                   r.update.high_innovation, r.update.gated, r.added, r.removed, r.reentered,
+                   r.from_library, r.relocalised ? 1 : 0, r.update.nis, r.update.nis_dof,
+                   field(frame.nees));
+  }
+}
+
+void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, Mode mode) {
+  std::vector<TimedPose> estimate, truth;
+  for (const FrameRecord& frame : record.frames) {
+    const std::int64_t t_us = frame.report.t_us;
+    if (const auto pose = estimated_pose(frame, mode)) estimate.push_back({t_us, *pose});
+    if (const auto& pose = true_pose(frame, mode)) truth.push_back({t_us, *pose});
+  }
+  write_tum(folder / "trajectory.tum", estimate);
+  if (!truth.empty()) write_tum(folder / "truth.tum", truth);
+}
+
+void write_landmarks(const std::filesystem::path& folder, const RunRecord& record) {
+  auto file = fmt::output_file((folder / "landmarks.csv").string());
+  file.print("id,active,x,y,z,sigma_x,sigma_y,sigma_z\n");
+  for (const MapLandmark& landmark : record.landmarks) {
+    const Vector3<double> sigma = landmark.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    file.print("{},{},{:.6g},{:.6g},{:.6g},{:.4g},{:.4g},{:.4g}\n", landmark.id,
+               landmark.active ? 1 : 0, landmark.p_map.x(), landmark.p_map.y(), landmark.p_map.z(),
+               sigma.x(), sigma.y(), sigma.z());
+  }
+}
+
+/// How much of what is seen from the second lap on was first seen in an earlier one: by sighting
+/// and by landmark. Null for a path that does not repeat.
+json reuse_json(const RunRecord& record) {
+  if (!record.lap_frames.has_value() || record.frames.empty()) return nullptr;
+  const int lap = *record.lap_frames;
+  std::map<LandmarkId, int> first_lap;
+  std::set<std::pair<int, LandmarkId>> landmarks;
+  std::size_t sightings = 0, old_sightings = 0, old_landmarks = 0;
+  for (const FrameRecord& frame : record.frames) {
+    const int now = (frame.number - record.frames.front().number) / lap;
+    for (const LandmarkId id : frame.measured) {
+      const bool old = first_lap.emplace(id, now).first->second < now;
+      if (now == 0) continue;
+      ++sightings;
+      old_sightings += old ? 1 : 0;
+      if (landmarks.emplace(now, id).second) old_landmarks += old ? 1 : 0;
+    }
+  }
+  if (sightings == 0) return nullptr;
+  const auto percent = [](std::size_t part, std::size_t whole) {
+    return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+  };
+  return {{"sightings_percent", percent(old_sightings, sightings)},
+          {"landmarks_percent", percent(old_landmarks, landmarks.size())},
+          {"landmarks", landmarks.size()}};
+}
+
+json summarise(const RunRecord& record, const RunTrajectory& trajectory,
+               const RegistrationResult& registration, double budget_ms) {
+  int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
+  std::vector<double> totals;
+  std::vector<double> stages[kStageCount];
+  for (const FrameRecord& frame : record.frames) {
+    tracked += frame.has_pose() ? 1 : 0;
+    lost += frame.report.state == TrackingState::kLost ? 1 : 0;
+    relocalised += frame.report.relocalised ? 1 : 0;
+    added += frame.report.added;
+    removed += frame.report.removed;
+    totals.push_back(frame.total_ms);
+    for (int i = 0; i < kStageCount; ++i) stages[i].push_back(frame.stage_ms[i]);
+  }
+  json latency = latency_json(totals, budget_ms);
+  latency["budget"] = budget_ms;
+  for (int i = 0; i < kStageCount; ++i) {
+    json stage = latency_json(stages[i], kStageRows[i].paper_iekf_ms);
+    stage["budget"] = kStageRows[i].paper_iekf_ms;
+    latency["stages"][kStageRows[i].key] = stage;
+  }
+  const std::size_t active =
+      static_cast<std::size_t>(record.frames.empty() ? 0 : record.frames.back().report.landmarks);
+  return {{"frames", record.frames.size()},
+          {"tracked", tracked},
+          {"lost", lost},
+          {"relocalised", relocalised},
+          {"latency_ms", latency},
+          {"trajectory", to_json(trajectory.evaluation, trajectory.planar)},
+          {"nees", nees_json(record)},
+          {"nis", nis_json(record)},
+          {"registration_px", registration_json(registration)},
+          {"map",
+           {{"landmarks", active},
+            {"added", added},
+            {"removed", removed},
+            {"capacity", record.landmark_capacity},
+            {"library", record.library_size < 0 ? json(nullptr) : json(record.library_size)},
+            {"reused", reuse_json(record)}}},
+          {"health", to_json(record.health)},
+          {"log_hash", fmt::format("{:016x}", record.log_hash)}};
+}
+
+json to_json(const Health& h) {
+  return {{"non_finite_inputs", h.non_finite_inputs},
+          {"time_errors", h.time_errors},
+          {"frame_gaps", h.frame_gaps},
+          {"innovations_used", h.innovations_used},
+          {"innovations_gated", h.innovations_gated},
+          {"innovations_singular", h.innovations_singular},
+          {"ransac_no_consensus", h.ransac_no_consensus},
+          {"landmarks_added", h.landmarks_added},
+          {"landmarks_removed", h.landmarks_removed},
+          {"landmarks_replaced", h.landmarks_replaced},
+          {"landmarks_refused", h.landmarks_refused},
+          {"candidates_dropped", h.candidates_dropped},
+          {"corners_dropped", h.corners_dropped},
+          {"searches_deferred", h.searches_deferred},
+          {"covariance_repairs", h.covariance_repairs},
+          {"depth_repairs", h.depth_repairs},
+          {"reacquisitions", h.reacquisitions},
+          {"resets", h.resets},
+          {"losses", h.losses},
+          {"landmarks_archived", h.landmarks_archived},
+          {"landmarks_reentered", h.landmarks_reentered},
+          {"map_messages_dropped", h.map_messages_dropped},
+          {"relocalisations", h.relocalisations},
+          {"false_relocalisations_refused", h.false_relocalisations_refused},
+          {"budget_exceeded", h.budget_exceeded},
+          {"low_texture_frames", h.low_texture_frames}};
+}
+
+}  // namespace cairn::host

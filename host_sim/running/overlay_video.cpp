@@ -1,0 +1,66 @@
+#include "host_sim/running/overlay_video.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+namespace cairn::host {
+namespace {
+
+struct Encoder {
+  const char* file;
+  char code[5];
+};
+
+constexpr Encoder kEncoders[] = {
+    {"overlay.mp4", "avc1"}, {"overlay.mp4", "mp4v"}, {"overlay.avi", "MJPG"}};
+
+}  // namespace
+
+OverlayVideo::OverlayVideo(const std::filesystem::path& folder, double frame_rate_hz,
+                           const cv::Size& size) {
+  for (const Encoder& encoder : kEncoders) {
+    const std::filesystem::path path = folder / encoder.file;
+    const int code =
+        cv::VideoWriter::fourcc(encoder.code[0], encoder.code[1], encoder.code[2], encoder.code[3]);
+    // Encoders want even sides.
+    if (writer_.open(path.string(), code, frame_rate_hz, {size.width & ~1, size.height & ~1})) {
+      path_ = path;
+      return;
+    }
+    std::filesystem::remove(path);
+  }
+}
+
+cv::Mat OverlayVideo::compose(const cv::Mat& grey, const cv::Mat& drawn,
+                              const std::string& caption) {
+  cv::Mat picture;
+  cv::cvtColor(drawn, picture, cv::COLOR_GRAY2BGR);
+  for (int y = 0; y < grey.rows; ++y) {
+    const std::uint8_t* before = grey.ptr<std::uint8_t>(y);
+    const std::uint8_t* after = drawn.ptr<std::uint8_t>(y);
+    cv::Vec3b* out = picture.ptr<cv::Vec3b>(y);
+    for (int x = 0; x < grey.cols; ++x) {
+      if (before[x] == after[x]) continue;
+      const int level = after[x];
+      out[x] = {static_cast<std::uint8_t>(level / 6), static_cast<std::uint8_t>(level * 2 / 3),
+                static_cast<std::uint8_t>(std::min(255, 60 + level))};
+    }
+  }
+  return captioned(picture, caption);
+}
+
+cv::Mat OverlayVideo::captioned(const cv::Mat& colour, const std::string& caption) {
+  cv::Mat picture = colour;
+  const cv::Point at(8, picture.rows - 10);
+  const double size = picture.cols >= 480 ? 0.45 : 0.3;
+  cv::putText(picture, caption, at, cv::FONT_HERSHEY_SIMPLEX, size, {0, 0, 0}, 3, cv::LINE_AA);
+  cv::putText(picture, caption, at, cv::FONT_HERSHEY_SIMPLEX, size, {255, 255, 255}, 1,
+              cv::LINE_AA);
+  return picture;
+}
+
+void OverlayVideo::write(const cv::Mat& picture) {
+  if (path_.empty()) return;
+  writer_.write(picture({0, 0, picture.cols & ~1, picture.rows & ~1}));
+}
+
+}  // namespace cairn::host

@@ -1,0 +1,220 @@
+#include "host_sim/running/runner.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <unistd.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "cairn/base/hash.hpp"
+#include "cairn/runtime/replay.hpp"
+
+#include "host_sim/base/core_conversions.hpp"
+#include "host_sim/base/names.hpp"
+#include "host_sim/render/shaded_object.hpp"
+#include "host_sim/running/overlay_video.hpp"
+#include "host_sim/trackers/host_ticks.hpp"
+
+namespace cairn::host {
+namespace {
+
+std::optional<double> nees_of(const PlanarPoseEstimate& estimate, const Rigid<double>& truth) {
+  const Vector3<double> forward = truth.rotation * Vector3<double>::UnitX();
+  const Vector3<double> error(
+      estimate.x_m - truth.translation.x(), estimate.y_m - truth.translation.y(),
+      wrap_angle(estimate.theta_rad - cairn::atan2(forward.y(), forward.x())));
+  const double determinant = estimate.covariance.determinant();
+  if (!(determinant > 0.0)) return std::nullopt;
+  const double nees = error.dot(estimate.covariance.inverse() * error);
+  return std::isfinite(nees) && nees >= 0.0 ? std::optional<double>(nees) : std::nullopt;
+}
+
+std::optional<double> nees_of(const Matrix3<double>& covariance, const Rigid<double>& estimate,
+                              const Rigid<double>& truth) {
+  if (!(covariance.determinant() > 0.0)) return std::nullopt;
+  const Eigen::AngleAxisd error(Quaternion<double>(estimate.rotation.conjugate() * truth.rotation));
+  const Vector3<double> phi = error.angle() * error.axis();
+  const double nees = phi.dot(covariance.inverse() * phi);
+  return std::isfinite(nees) && nees >= 0.0 ? std::optional<double>(nees) : std::nullopt;
+}
+
+class Progress {
+ public:
+  Progress(std::string name, std::optional<int> total)
+      : name_(std::move(name)), total_(total), shown_(isatty(STDERR_FILENO) != 0) {}
+  ~Progress() {
+    if (shown_) fmt::print(stderr, "\r{:70}\r", "");
+  }
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void show(int done, const FrameRecord& frame) {
+    if (!shown_ || done % 10 != 0) return;
+    const std::string of = total_.has_value() ? fmt::format("/{}", *total_) : std::string();
+    fmt::print(stderr, "\r{}: frame {}{}  {}  {} landmarks  {:.2f} ms   ", name_, done, of,
+               to_string(frame.report.state), frame.report.landmarks, frame.total_ms);
+  }
+
+ private:
+  std::string name_;
+  std::optional<int> total_;
+  bool shown_;
+};
+
+class FrameLoop {
+ public:
+  FrameLoop(FrameSource& source, Tracker& tracker, const RunnerSettings& settings)
+      : source_(source),
+        tracker_(tracker),
+        settings_(settings),
+        progress_(source.info().name, source.info().frame_count) {
+    const int expected = source.info().frame_count.value_or(600);
+    picture_step_ = std::max(1, expected / std::max(1, settings.pictures));
+  }
+
+  RunRecord run(Frame& frame) {
+    do {
+      process(frame);
+    } while (source_.next(frame));
+    record_.landmarks = tracker_.landmarks();
+    record_.library_size = tracker_.library_size();
+    record_.lap_frames = source_.info().lap_frames;
+    record_.landmark_capacity = tracker_.landmark_capacity();
+    record_.health = tracker_.health();
+    record_.tracker = tracker_.description();
+    record_.log_hash = hash_.value();
+    if (video_ != nullptr) record_.overlay = video_->path();
+    return std::move(record_);
+  }
+
+ private:
+  void process(const Frame& frame) {
+    FrameRecord entry;
+    entry.number = frame.number;
+    frame.grey.copyTo(overlay_);
+    const auto start = std::chrono::steady_clock::now();
+    entry.report.status = tracker_.process(frame, overlay_, entry.report);
+    const auto end = std::chrono::steady_clock::now();
+    entry.total_ms = std::chrono::duration<double, std::milli>(end - start).count();
+    for (int i = 0; i < kStageCount; ++i) {
+      entry.stage_ms[i] = entry.report.stage_ticks[i] / kHostTicksPerMs;
+    }
+    entry.true_T_world_camera = frame.true_T_world_camera;
+    entry.true_T_world_vehicle = frame.true_T_world_vehicle;
+    entry.vehicle = tracker_.vehicle_pose();
+    if (entry.vehicle.has_value() && frame.true_T_world_vehicle.has_value()) {
+      entry.nees = nees_of(*entry.vehicle, *frame.true_T_world_vehicle);
+    }
+    if (entry.has_pose() && frame.true_T_world_camera.has_value()) judge_attitude(entry);
+    entry.measured = tracker_.measured();
+    add_to_hash(hash_, entry.report);
+    RegistrationInput registration;
+    registration.views = frame.scene_points;
+    if (entry.has_pose()) registration.T_world_camera = to_double(entry.report.T_map_camera);
+    record_.registration_input.push_back(std::move(registration));
+    draw(frame, entry);
+    record_.frames.push_back(entry);
+    progress_.show(static_cast<int>(record_.frames.size()), entry);
+  }
+
+  /// Domain: the entry has a pose and its truth.
+  void judge_attitude(FrameRecord& entry) {
+    const std::optional<Matrix3<double>> covariance = tracker_.attitude_covariance();
+    if (!covariance.has_value()) return;
+    const Rigid<double> estimate = to_double(entry.report.T_map_camera);
+    const Rigid<double>& truth = *entry.true_T_world_camera;
+    if (!T_estimate_truth_) {
+      T_estimate_truth_ = estimate * truth.inverse();
+      return;
+    }
+    entry.nees = nees_of(*covariance, estimate, *T_estimate_truth_ * truth);
+  }
+
+  /// The frame in colour with the tracker's objects shaded, hidden by the surfaces that are known;
+  /// empty where the tracker has no objects.
+  cv::Mat shade(const Frame& frame, const FrameRecord& entry) {
+    const Augmenter* objects = tracker_.objects();
+    if (objects == nullptr) return {};
+    if (!shaded_.has_value()) {
+      shaded_.emplace(objects->shape(), source_.info().camera);
+      for (const auto& corners : source_.info().surfaces) {
+        if (entry.vehicle.has_value()) surfaces_.push_back({corners});
+      }
+    }
+    cv::Mat picture;
+    cv::cvtColor(frame.grey, picture, cv::COLOR_GRAY2BGR);
+    if (entry.report.state == TrackingState::kLost) return picture;
+    const Rigid<double> T_world_camera = to_double(entry.report.T_map_camera);
+    for (const int i : far_to_near(*objects, T_world_camera)) {
+      shaded_->draw(to_double((*objects)[i]), T_world_camera, surfaces_, picture);
+    }
+    return picture;
+  }
+
+  static std::vector<int> far_to_near(const Augmenter& objects, const Rigid<double>& eye) {
+    std::vector<int> order(static_cast<std::size_t>(objects.size()));
+    std::iota(order.begin(), order.end(), 0);
+    const auto distance = [&](int i) {
+      return (objects[i].translation.cast<double>() - eye.translation).norm();
+    };
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return distance(a) > distance(b); });
+    return order;
+  }
+
+  void draw(const Frame& frame, const FrameRecord& entry) {
+    const std::size_t done = record_.frames.size();
+    const bool keep = settings_.pictures > 0 && done % static_cast<std::size_t>(picture_step_) ==
+                                                    static_cast<std::size_t>(picture_step_ / 2);
+    if (!settings_.video && !keep) return;
+    const std::string caption =
+        fmt::format("frame {}  {}  {:.2f} ms  {} inliers  {} landmarks", frame.number,
+                    to_string(entry.report.state), entry.total_ms, entry.report.inliers,
+                    entry.report.landmarks);
+    const cv::Mat drawn = settings_.shaded ? shade(frame, entry) : cv::Mat();
+    const cv::Mat picture = drawn.empty() ? OverlayVideo::compose(frame.grey, overlay_, caption)
+                                          : OverlayVideo::captioned(drawn, caption);
+    if (settings_.video) {
+      if (video_ == nullptr) {
+        video_ = std::make_unique<OverlayVideo>(settings_.out, source_.info().frame_rate_hz,
+                                                picture.size());
+      }
+      video_->write(picture);
+    }
+    if (keep) {
+      const std::filesystem::path path =
+          settings_.out / fmt::format("overlay-{:06d}.jpg", frame.number);
+      cv::imwrite(path.string(), picture);
+      record_.pictures.push_back(path);
+    }
+  }
+
+  FrameSource& source_;
+  Tracker& tracker_;
+  const RunnerSettings& settings_;
+  std::optional<Rigid<double>> T_estimate_truth_;  ///< between the two worlds, from the first pose
+  Progress progress_;
+  RunRecord record_;
+  Hash64 hash_;
+  cv::Mat overlay_;
+  std::unique_ptr<OverlayVideo> video_;
+  int picture_step_ = 1;
+  std::optional<ShadedObject> shaded_;
+  std::vector<OccludingPolygon> surfaces_;
+};
+
+}  // namespace
+
+RunRecord run_frames(FrameSource& source, Frame& first, Tracker& tracker,
+                     const RunnerSettings& settings) {
+  return FrameLoop(source, tracker, settings).run(first);
+}
+
+}  // namespace cairn::host

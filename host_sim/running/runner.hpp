@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host_sim/evaluation/registration_error.hpp"
+#include "host_sim/sources/frame_source.hpp"
+#include "host_sim/trackers/tracker.hpp"
+
+namespace cairn::host {
+
+/// Everything that is kept of a frame.
+struct FrameRecord {
+  int number = 0;
+  FrameReport report;
+  double stage_ms[kStageCount] = {};
+  double total_ms = 0.0;  ///< wall time of the tracker's call
+  std::optional<PlanarPoseEstimate> vehicle;
+  std::optional<Rigid<double>> true_T_world_camera;
+  std::optional<Rigid<double>> true_T_world_vehicle;
+  std::vector<LandmarkId> measured;
+  /// 3 degrees of freedom: of the vehicle's planar pose, or of a hand-held camera's attitude
+  /// against that of the first frame with a pose.
+  std::optional<double> nees;
+
+  bool has_pose() const {
+    return report.state == TrackingState::kTracking || report.state == TrackingState::kUncertain;
+  }
+};
+
+struct RunRecord {
+  std::vector<FrameRecord> frames;
+  std::vector<RegistrationInput> registration_input;
+  std::vector<MapLandmark> landmarks;
+  int landmark_capacity = 0;
+  int library_size = -1;
+  std::optional<int> lap_frames;
+  Health health;
+  nlohmann::json tracker;
+  std::uint64_t log_hash = 0;
+  std::filesystem::path overlay;                ///< empty without video
+  std::vector<std::filesystem::path> pictures;  ///< overlay frames for the report
+};
+
+struct RunnerSettings {
+  std::filesystem::path out;
+  bool video = true;
+  bool shaded = false;  ///< objects with shaded faces, hidden by known surfaces, not as wireframes
+  int pictures = 6;     ///< overlay frames kept for the report
+};
+
+/// Drives `tracker` over `first` and the rest of `source`. Writes the overlay video and its
+/// pictures into `settings.out`; shows progress where standard error is a terminal.
+RunRecord run_frames(FrameSource& source, Frame& first, Tracker& tracker,
+                     const RunnerSettings& settings);
+
+}  // namespace cairn::host

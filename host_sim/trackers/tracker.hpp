@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "cairn/ar/augmenter.hpp"
+#include "cairn/base/health.hpp"
+#include "cairn/estimation/observation.hpp"
+#include "cairn/geometry/rigid.hpp"
+#include "cairn/tracking/frame_report.hpp"
+
+#include "host_sim/options/handheld_options.hpp"
+#include "host_sim/options/run_options.hpp"
+#include "host_sim/sources/frame_source.hpp"
+
+namespace cairn::host {
+
+/// A landmark as the host writes it down, in the map's frame.
+struct MapLandmark {
+  LandmarkId id = kNoLandmark;
+  Vector3<double> p_map = Vector3<double>::Zero();
+  Matrix3<double> covariance = Matrix3<double>::Zero();
+  bool active = false;  ///< in the filter; otherwise archived in the library
+};
+
+/// Planar pose of the vehicle with its covariance in (x, y, theta), additive coordinates.
+struct PlanarPoseEstimate {
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double theta_rad = 0.0;
+  Matrix3<double> covariance = Matrix3<double>::Zero();
+};
+
+/// What the runner drives: the core's tracker behind one face for both modes.
+class Tracker {
+ public:
+  virtual ~Tracker() = default;
+  /// One frame with the odometry before it. `overlay` is an 8-bit grey copy of the frame: the
+  /// virtual object is drawn into it (stage kRender). Ticks in `report` are those of host_ticks().
+  /// The Status is the report's own.
+  virtual Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) = 0;
+  virtual std::vector<MapLandmark> landmarks() const = 0;
+  virtual int landmark_capacity() const = 0;
+  /// Landmarks that the last frame measured.
+  virtual std::vector<LandmarkId> measured() const { return {}; }
+  /// Landmarks in the map library, -1 without one.
+  virtual int library_size() const { return -1; }
+  virtual Health health() const = 0;
+  /// The virtual objects that process() draws; null where there are none.
+  virtual const Augmenter* objects() const { return nullptr; }
+  /// Vehicle mode alone.
+  virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }
+  /// Covariance of the attitude, rad^2, camera axes; of a small turn after it. Handheld mode alone.
+  virtual std::optional<Matrix3<double>> attitude_covariance() const { return std::nullopt; }
+  /// Filter, mode and configuration, for the manifest.
+  virtual nlohmann::json description() const = 0;
+
+ protected:
+  Tracker() = default;
+  Tracker(const Tracker&) = default;
+  Tracker& operator=(const Tracker&) = default;
+};
+
+enum class Mode : std::uint8_t { kVehicle, kHandheld };
+
+struct TrackerOptions {
+  Mode mode = Mode::kVehicle;
+  std::string filter = kDefaultVehicleFilter;  ///< group-iekf, lifted-iekf, ekf; handheld: mono
+  std::string fading;  ///< a number, adaptive, or empty for the filter's own
+  double budget_ms = kDefaultBudgetMs;
+  std::uint64_t seed = 1;
+  HandheldOptions handheld;
+  std::optional<int> work_limit;  ///< units a frame; empty: the tracker's own
+  /// Vehicle mode: where the estimate starts, with its variances (x and y alike; heading).
+  double start_x_m = 0.0;
+  double start_y_m = 0.0;
+  double start_theta_rad = 0.0;
+  double start_position_variance = kKnownStartVariance;
+  double start_heading_variance = kKnownStartVariance;
+};
+
+/// The core's tracker for `options` on a source. Domain: filter and mode go together, and a source
+/// of mode kVehicle has odometry. Throws InputError when the tracker refuses the source's camera.
+std::unique_ptr<Tracker> make_tracker(const TrackerOptions& options, const SourceInfo& source);
+
+}  // namespace cairn::host

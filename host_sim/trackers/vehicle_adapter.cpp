@@ -1,0 +1,132 @@
+#include "host_sim/trackers/vehicle_adapter.hpp"
+
+#include <fmt/format.h>
+
+#include "cairn/planar/ekf_slam.hpp"
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
+#include "cairn/runtime/replay.hpp"
+#include "cairn/runtime/vehicle_tracker.hpp"
+
+#include "host_sim/base/core_conversions.hpp"
+#include "host_sim/io/input_error.hpp"
+#include "host_sim/trackers/host_ticks.hpp"
+#include "host_sim/trackers/input_log_file.hpp"
+#include "host_sim/trackers/landmark_list.hpp"
+#include "host_sim/trackers/scene_objects.hpp"
+
+namespace cairn::host {
+namespace {
+
+template <class Config, class Filter>
+class VehicleAdapter : public Tracker {
+ public:
+  using Core = VehicleTracker<Config, Filter>;
+
+  VehicleAdapter(const TrackerOptions& options, const SourceInfo& source)
+      : core_(std::make_unique<Core>()),
+        header_(to_log_header(options, source, 0)),
+        work_limit_(options.work_limit),
+        filter_name_(options.filter),
+        source_name_(source.name) {
+    start(0);
+  }
+
+  Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) override {
+    if (!started_) {
+      // The start pose is that of the first frame: odometry before it is not integrated.
+      start(frame.t_us);
+      started_ = true;
+    }
+    for (const OdometrySample& sample : frame.odometry) {
+      // A refused sample is counted in Health; the frame is tracked all the same.
+      static_cast<void>(core_->add_odometry(sample));
+    }
+    const Status status =
+        core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
+    report.status = status;
+    if (report.t_us == frame.t_us) {
+      objects_.draw(*core_, to_mutable_view(overlay), host_ticks(), report);
+    }
+    return status;
+  }
+
+  std::vector<MapLandmark> landmarks() const override { return landmarks_in_map(*core_); }
+
+  std::vector<LandmarkId> measured() const override {
+    std::vector<LandmarkId> ids;
+    for (const TrackedLandmark& landmark : core_->frames().landmarks()) {
+      if (landmark.searched && landmark.misses == 0) ids.push_back(landmark.id);
+    }
+    return ids;
+  }
+  int library_size() const override { return core_->library().size(); }
+
+  int landmark_capacity() const override { return Core::kMaxLandmarks; }
+  Health health() const override { return core_->health(); }
+
+  std::optional<PlanarPoseEstimate> vehicle_pose() const override {
+    const PlanarPose<float> pose = core_->filter().pose();
+    PlanarPoseEstimate estimate;
+    estimate.x_m = static_cast<double>(pose.position.x());
+    estimate.y_m = static_cast<double>(pose.position.y());
+    estimate.theta_rad = static_cast<double>(pose.heading);
+    estimate.covariance = core_->filter().pose_covariance().template cast<double>();
+    return estimate;
+  }
+  const Augmenter* objects() const override { return &objects_.augmenter(); }
+
+  nlohmann::json description() const override {
+    return {{"mode", "vehicle"},
+            {"filter", filter_name_},
+            {"max_landmarks", Core::kMaxLandmarks},
+            {"tracker_bytes", sizeof(Core)},
+            {"filter_bytes", sizeof(Filter)}};
+  }
+
+ private:
+  /// As a replay of the run's log starts.
+  void start(std::int64_t t_us) {
+    header_.start_t_us = t_us;
+    const Status status = start_replay(header_, *core_);
+    if (!ok(status)) {
+      throw InputError(source_name_, fmt::format("camera refused: {}", to_string(status)));
+    }
+    if (work_limit_) static_cast<void>(core_->set_work_limit(*work_limit_));
+  }
+
+  std::unique_ptr<Core> core_;
+  InputLogHeader header_;
+  std::optional<int> work_limit_;
+  SceneObjects objects_{kVehicleObjectHeight};
+  std::string filter_name_;
+  std::string source_name_;
+  bool started_ = false;
+};
+
+template <class Config>
+std::unique_ptr<Tracker> make_with_config(const TrackerOptions& options, const SourceInfo& source) {
+  constexpr int kMax = Config::kMaxLandmarks;
+  if (options.filter == "ekf") {
+    return std::make_unique<VehicleAdapter<Config, EkfSlam<float, kMax, 3>>>(options, source);
+  }
+  if (options.filter == "lifted-iekf") {
+    return std::make_unique<VehicleAdapter<Config, LiftedIekfSlam<float, kMax, 3>>>(options,
+                                                                                    source);
+  }
+  return std::make_unique<VehicleAdapter<Config, GroupIekfSlam<float, kMax, 3>>>(options, source);
+}
+
+}  // namespace
+
+std::unique_ptr<Tracker> make_vehicle_tracker(const TrackerOptions& options,
+                                              const SourceInfo& source) {
+  const PinholeCamera<double>& camera = source.camera;
+  if (camera.width <= DefaultConfig::kMaxImageWidth &&
+      camera.height <= DefaultConfig::kMaxImageHeight) {
+    return make_with_config<DefaultConfig>(options, source);
+  }
+  return make_with_config<LargeConfig>(options, source);
+}
+
+}  // namespace cairn::host
