@@ -150,16 +150,19 @@ void print_summary(const nlohmann::json& summary) {
 /// The source with pictures of the size asked for, and of one that the tracker holds.
 std::unique_ptr<FrameSource> fit_source(std::unique_ptr<FrameSource> source,
                                         const RunOptions& options) {
-  const PinholeCamera<double>& camera = source->info().camera;
+  const PinholeCamera<double> full = source->info().camera;
   const double fitting =
-      fitting_factor(camera, LargeConfig::kMaxImageWidth, LargeConfig::kMaxImageHeight);
-  const double factor = std::min(options.scale.value_or(1.0), fitting);
-  if (factor == 1.0) return source;
-  const bool asked = options.scale.has_value() && *options.scale == factor;
-  source = scale_source(std::move(source), factor);
-  if (!asked) {
-    fmt::print(stderr, "cairn_sim: {}: the tracker holds {}x{}\n", source->info().note,
-               LargeConfig::kMaxImageWidth, LargeConfig::kMaxImageHeight);
+      fitting_factor(full, LargeConfig::kMaxImageWidth, LargeConfig::kMaxImageHeight);
+  const double asked = options.scale.value_or(1.0);
+  if (std::min(asked, fitting) == 1.0) return source;
+  source = scale_source(std::move(source), std::min(asked, fitting));
+  if (fitting < asked) {
+    const PinholeCamera<double>& small = source->info().camera;
+    fmt::print(stderr,
+               "cairn_sim: pictures scaled from {}x{} to {}x{}, calibration too: the tracker holds "
+               "{}x{}\n",
+               full.width, full.height, small.width, small.height, LargeConfig::kMaxImageWidth,
+               LargeConfig::kMaxImageHeight);
   }
   return source;
 }

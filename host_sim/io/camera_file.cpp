@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 constexpr double kLeastFocal = 0.1;  // of the longer side: a field of view of 157 degrees
 constexpr double kLargestFocal = 100.0;
-constexpr double kLargestTangential = 0.03;
+constexpr double kLargestRatio = 3.0;  // of fx and fy: pixels may be oblong
+constexpr double kLargestTangential = 0.02;
 
 const CameraFormat& format_of(const CameraSection& root) {
   const CameraFormat* found = nullptr;
@@ -91,6 +92,13 @@ void check_camera(const PinholeCamera<double>& camera, const fs::path& path) {
                                        "image of {}x{}, found fx {} fy {}",
                                        kLeastFocal * side, kLargestFocal * side, camera.width,
                                        camera.height, camera.fx, camera.fy));
+  }
+  const double ratio = camera.fx / camera.fy;
+  if (ratio > kLargestRatio || ratio < 1.0 / kLargestRatio) {
+    throw InputError(path,
+                     fmt::format("expected focal lengths within a factor of {} of one another, "
+                                 "found fx {} fy {}",
+                                 kLargestRatio, camera.fx, camera.fy));
   }
   if (!(camera.cx >= 0.0 && camera.cy >= 0.0 && camera.cx < camera.width &&
         camera.cy < camera.height)) {

@@ -27,8 +27,9 @@ struct CameraFile {
 CameraFile read_camera_file(const std::filesystem::path& path);
 
 /// Refuses a camera that cannot be meant: a focal length below a tenth or above a hundred times the
-/// longer side, a principal point outside the image, tangential coefficients above 0.03, or a
-/// distortion that folds inside the image (naming the pixel without a ray). Throws InputError.
+/// longer side, two that differ by more than a factor of 3, a principal point outside the image,
+/// tangential coefficients above 0.02, or a distortion that folds inside the image (naming the
+/// pixel without a ray). Throws InputError.
 void check_camera(const PinholeCamera<double>& camera, const std::filesystem::path& path);
 
 }  // namespace cairn::host

@@ -158,7 +158,7 @@ bool CsvReader::next() {
 double CsvReader::number(std::size_t column) const {
   std::string field = fields_[column];
   const std::size_t comma = field.find(',');
-  if (separator_ == ';' && comma != std::string::npos && field.find('.') == std::string::npos) {
+  if (separator_ != ',' && comma != std::string::npos && field.find('.') == std::string::npos) {
     field[comma] = '.';
   }
   return parse_number(field, path(), row_.number, header_[column]);

@@ -13,10 +13,11 @@ namespace cairn::host {
 /// Rows of a CSV file with a header line, one at a time: memory does not grow with the file.
 ///
 /// Fields are separated by commas, semicolons, tabs or blanks, as the header is; they may stand in
-/// double quotes (RFC 4180, without line breaks inside). With semicolons a decimal comma is read as
-/// a point. Names of columns are compared without regard to case, with blanks as underscores. A
-/// header that is a comment (#) directly before the first row of numbers counts. Rows of empty
-/// fields are skipped; every other row must have as many fields as the header.
+/// double quotes (RFC 4180, without line breaks inside). Where they are not separated by commas a
+/// decimal comma is read as a point. Names of columns are compared without regard to case, with
+/// blanks as underscores. A header that is a comment (#) directly before the first row of numbers
+/// counts. Rows of empty fields are skipped; every other row must have as many fields as the
+/// header.
 class CsvReader {
  public:
   /// Reads the header. Throws InputError where there is none.

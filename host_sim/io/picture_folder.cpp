@@ -81,6 +81,33 @@ std::size_t counting_number(const std::vector<PictureName>& names) {
   return found.value_or(first.numbers.size() - 1);
 }
 
+/// Which numbers of all names are seconds with decimals, where the names are alike otherwise.
+std::optional<std::size_t> common_decimal_seconds(const std::vector<PictureName>& names) {
+  const PictureName& first = names.front();
+  const std::optional<std::size_t> seconds = first.decimal_seconds();
+  if (!seconds.has_value()) return std::nullopt;
+  for (const PictureName& name : names) {
+    if (name.texts != first.texts || name.decimal_seconds() != seconds) return std::nullopt;
+    for (std::size_t i = 0; i < name.numbers.size(); ++i) {
+      const bool of_time = i == *seconds || i == *seconds + 1;
+      if (!of_time && name.numbers[i] != first.numbers[i]) return std::nullopt;
+    }
+  }
+  return seconds;
+}
+
+/// Digits behind a point are a fraction where their count varies, and then no frame number.
+void refuse_fractions(const std::vector<PictureName>& names, std::size_t index) {
+  if (index == 0 || names.front().texts[index] != ".") return;
+  for (const PictureName& name : names) {
+    if (name.numbers[index].size() == names.front().numbers[index].size()) continue;
+    throw InputError(name.path,
+                     fmt::format("expected frame numbers of one length behind the point, or times "
+                                 "alone, as names; found '{}' beside '{}'",
+                                 name.shown(), names.front().shown()));
+  }
+}
+
 struct Entry {
   std::int64_t value = 0;  ///< a number, or a time in us
   fs::path path;
@@ -175,14 +202,15 @@ PictureFolder list_pictures(const fs::path& folder) {
   require_folder(folder, "a folder of images");
   const std::vector<PictureName> names = names_in(folder);
   std::vector<Entry> entries;
-  if (std::all_of(names.begin(), names.end(), [&](const PictureName& name) {
-        return name.is_decimal_time() && name.texts[0] == names.front().texts[0];
-      })) {
-    for (const PictureName& name : names) entries.push_back({decimal_time_us(name), name.path});
+  if (const auto seconds = common_decimal_seconds(names)) {
+    for (const PictureName& name : names) {
+      entries.push_back({decimal_time_us(name, *seconds), name.path});
+    }
     return timed(std::move(entries), "s");
   }
   refuse_dates(names);
   const std::size_t index = counting_number(names);
+  refuse_fractions(names, index);
   std::int64_t units =
       units_per_second(to_number(names.front().path, names.front().numbers[index]));
   for (const PictureName& name : names) {

@@ -59,18 +59,22 @@ PictureName::PictureName(const fs::path& file) : path(file), texts(1) {
   if (texts.size() == numbers.size()) texts.emplace_back();
 }
 
-bool PictureName::is_decimal_time() const {
-  return numbers.size() == 2 && texts[1] == "." && texts[2].empty() &&
-         (texts[0].empty() || numbers[0].size() == 10);
+std::optional<std::size_t> PictureName::decimal_seconds() const {
+  constexpr std::size_t kDigitsSince2001 = 10;
+  const bool alone = numbers.size() == 2 && texts[0].empty() && texts[2].empty();
+  for (std::size_t i = 0; i + 1 < numbers.size(); ++i) {
+    if (texts[i + 1] == "." && (alone || numbers[i].size() == kDigitsSince2001)) return i;
+  }
+  return std::nullopt;
 }
 
 /// The fraction is taken from its digits, not from a float.
-std::int64_t decimal_time_us(const PictureName& name) {
-  const std::int64_t seconds = to_number(name.path, name.numbers[0]);
+std::int64_t decimal_time_us(const PictureName& name, std::size_t seconds_index) {
+  const std::int64_t seconds = to_number(name.path, name.numbers[seconds_index]);
   if (seconds > kYear2100_s) {
     throw InputError(name.path, "expected seconds with decimals up to the year 2100 as its name");
   }
-  std::string fraction = name.numbers[1];
+  std::string fraction = name.numbers[seconds_index + 1];
   const bool up = fraction.size() > 6 && fraction[6] >= '5';
   fraction.resize(6, '0');
   return 1000000 * seconds + to_number(name.path, fraction) + (up ? 1 : 0);

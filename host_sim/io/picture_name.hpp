@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ struct PictureName {
   std::vector<std::string> texts;    ///< one more than numbers; may be empty
   std::vector<std::string> numbers;  ///< digits, with leading zeros
 
-  /// 1305031102.975304: the whole name, or behind a text a time since 1970.
-  bool is_decimal_time() const;
+  /// Which number is the seconds of a time with decimals, such as 1305031102.975304; none where
+  /// there is none. It is the whole name, or a time since 1970 anywhere in it.
+  std::optional<std::size_t> decimal_seconds() const;
   /// Name and ending, for messages.
   std::string shown() const { return path.filename().string(); }
 };
@@ -26,8 +28,9 @@ bool is_digit(char c);
 /// Digits as a number. Throws InputError naming `path` where it has more than 63 bits.
 std::int64_t to_number(const std::filesystem::path& path, const std::string& digits);
 
-/// The time of a name that is_decimal_time(), us. Throws InputError beyond the year 2100.
-std::int64_t decimal_time_us(const PictureName& name);
+/// The time whose seconds are number `seconds` of a name, us. Throws InputError beyond the year
+/// 2100.
+std::int64_t decimal_time_us(const PictureName& name, std::size_t seconds);
 
 /// Whether a name ends in a date with time of day: 20240131235959, 20240131_235959, either with
 /// three digits of milliseconds behind, or 2024-01-31_23-59-59.

@@ -2,14 +2,16 @@
 
 #include <charconv>
 #include <cmath>
-#include <fstream>
 
 #include <fmt/format.h>
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/text_file.hpp"
 
 namespace cairn::host {
 namespace {
+
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 28;
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
@@ -47,36 +49,32 @@ bool parse_line(const std::string& line, bool commas, std::vector<double>& numbe
 }  // namespace
 
 NumberTable read_number_table(const std::filesystem::path& file, const TableFormat& format) {
-  std::ifstream stream(file);
-  if (!stream) throw InputError(file, "cannot be read");
+  std::error_code error;
+  if (std::filesystem::file_size(file, error) > kLargestFile && !error) {
+    throw InputError(file, fmt::format("expected at most {} bytes", kLargestFile));
+  }
+  LineReader lines(file);
   NumberTable table;
   table.file = file;
-  std::string line;
-  int number = 0;
-  while (std::getline(stream, line)) {
-    ++number;
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (number == 1 && !format.header.empty()) {
-      if (line != format.header) {
-        throw InputError(file, number, fmt::format("expected the header '{}'", format.header));
-      }
-      continue;
-    }
-    if (format.header.empty() && !line.empty() && line.front() == '#') continue;
+  TextLine line;
+  if (!format.header.empty() && (!lines.next(line) || line.text != format.header)) {
+    throw InputError(file, 1, fmt::format("expected the header '{}'", format.header));
+  }
+  while (lines.next(line)) {
     std::vector<double> numbers;
-    const bool good = parse_line(line, format.commas, numbers);
+    const bool good = parse_line(line.text, format.commas, numbers);
     if (!good || static_cast<int>(numbers.size()) != format.columns) {
-      throw InputError(file, number,
+      throw InputError(file, line.number,
                        fmt::format("expected {} finite numbers separated by {}", format.columns,
                                    format.commas ? "commas" : "blanks"));
     }
     if (format.increasing && !table.rows.empty() && numbers[0] < table.rows.back()[0]) {
-      throw InputError(file, number,
+      throw InputError(file, line.number,
                        fmt::format("expected a time of at least {:.3f} s, that of the line before",
                                    table.rows.back()[0]));
     }
     table.rows.push_back(numbers);
-    table.lines.push_back(number);
+    table.lines.push_back(line.number);
   }
   if (table.rows.empty()) throw InputError(file, "expected at least one row of numbers");
   return table;

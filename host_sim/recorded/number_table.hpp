@@ -15,14 +15,15 @@ struct NumberTable {
 
 /// How the text is laid out.
 struct TableFormat {
-  std::string header;  ///< first line, compared exactly; empty: no header, '#' starts a comment
+  std::string header;  ///< first line, compared exactly; empty: no header. '#' starts a comment
   bool commas = true;  ///< otherwise blanks and tabs
   int columns = 0;     ///< numbers in every row
   bool increasing = false;  ///< the first column must not decrease
 };
 
-/// Reads a whole file strictly: every line holds exactly `columns` finite numbers. Throws
-/// InputError naming file, line and what was expected.
+/// Reads a whole file of at most 256 MB strictly: every line that is neither blank nor a comment
+/// holds exactly `columns` finite numbers. Throws InputError naming file, line and what was
+/// expected.
 NumberTable read_number_table(const std::filesystem::path& file, const TableFormat& format);
 
 }  // namespace cairn::host

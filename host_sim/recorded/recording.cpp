@@ -69,8 +69,22 @@ void start_at(Recording& recording, double start) {
   scans.erase(std::remove_if(scans.begin(), scans.end(), before), scans.end());
   // The sample in force at time zero stays, moved there.
   auto& odometry = recording.odometry;
-  while (odometry.size() > 1 && odometry[1].t_s <= 0.0) odometry.erase(odometry.begin());
+  auto in_force = odometry.begin();
+  while (in_force + 1 != odometry.end() && (in_force + 1)->t_s <= 0.0) ++in_force;
+  odometry.erase(odometry.begin(), in_force);
   if (odometry.front().t_s < 0.0) odometry.front().t_s = 0.0;
+}
+
+/// The end of the drive, checked: a wrong stamp must not make a run that does not end.
+void end_at(Recording& recording, double end_s) {
+  constexpr double kLongest_s = 7.0 * 86400.0;
+  if (!(end_s >= 0.0 && end_s <= kLongest_s)) {
+    throw InputError(recording.inputs.front(),
+                     fmt::format("expected a drive of 0 to {} s, found one of {:.6g} s: check the "
+                                 "first and last time",
+                                 kLongest_s, end_s));
+  }
+  recording.end_s = end_s;
 }
 
 void shift_times(Recording& recording, double odometry_s, double scans_s) {
@@ -151,7 +165,7 @@ Recording read_lost_in_the_woods(const fs::path& folder, RecordingProfile profil
   recording.note = "slip noise as large as the speed's";
   if (profile == RecordingProfile::kCalibrated) calibrate_lost_in_the_woods(recording);
   start_at(recording, recording.truth.front().t_s);
-  recording.end_s = recording.odometry.back().t_s;
+  end_at(recording, recording.odometry.back().t_s);
   return recording;
 }
 
@@ -201,7 +215,7 @@ Recording read_mrclam(const fs::path& folder, int robot, RecordingProfile profil
         "growing with range";
   }
   start_at(recording, std::max(recording.odometry.front().t_s, recording.truth.front().t_s));
-  recording.end_s = std::min(recording.odometry.back().t_s, recording.truth.back().t_s);
+  end_at(recording, std::min(recording.odometry.back().t_s, recording.truth.back().t_s));
   return recording;
 }
 
@@ -252,7 +266,7 @@ Recording read_victoria_park(const fs::path& folder) {
   const NumberTable gps = read(recording, folder / "gps.csv", csv("t_s,east_m,north_m", 3));
   for (const auto& row : gps.rows) recording.truth.push_back({row[0], {row[1], row[2]}, 0.0});
   start_at(recording, recording.odometry.front().t_s);
-  recording.end_s = recording.odometry.back().t_s;
+  end_at(recording, recording.odometry.back().t_s);
   return recording;
 }
 

@@ -18,6 +18,8 @@ constexpr double kLargestSpeed_mps = 100.0;
 constexpr double kLargestYawRate_radps = 10.0;
 constexpr double kLargestSteering_rad = 1.4;  // what the filters take
 constexpr double kLargestWheelbase_m = 20.0;
+constexpr double kLargestTurn_rad = 3.14;  // what the filters take in a step
+constexpr double kLongestStep_s = 1.0;
 
 /// A value within [-largest, largest]; throws InputError naming line, column and the domain.
 double within(const CsvReader& csv, const QuantityColumn& column, double largest,
@@ -40,6 +42,23 @@ double wheelbase(const CsvReader& csv, const QuantityColumn& column, double befo
                                        value, before));
   }
   return value;
+}
+
+/// A sample holds for the time since the one before it: in that time the vehicle turns by less than
+/// half a circle. A longer gap is not integrated.
+void check_turn(const CsvReader& csv, const QuantityColumn& column, const OdometryModel& model,
+                const OdometrySample& before, const OdometrySample& sample) {
+  const double dt_s = 1e-6 * static_cast<double>(sample.t_us - before.t_us);
+  if (dt_s > kLongestStep_s) return;
+  const double rate_radps = model.kind == OdometrySample::Kind::kTwist
+                                ? static_cast<double>(sample.turn)
+                                : static_cast<double>(sample.speed_mps) *
+                                      std::tan(static_cast<double>(sample.turn)) /
+                                      model.wheelbase_m;
+  if (std::abs(rate_radps) * dt_s <= kLargestTurn_rad) return;
+  csv.fail(column.index,
+           fmt::format("expected a turn of at most {} rad since the row before, found {:.6g} rad",
+                       kLargestTurn_rad, std::abs(rate_radps) * dt_s));
 }
 
 void check_order(const CsvReader& csv, const std::vector<OdometrySample>& samples,
@@ -75,6 +94,9 @@ OdometryFile read_odometry(const std::filesystem::path& path) {
         static_cast<float>(twist ? within(csv, turn, kLargestYawRate_radps, "a yaw rate in rad/s")
                                  : within(csv, turn, kLargestSteering_rad, "an angle in rad"));
     if (!twist) model.wheelbase_m = wheelbase(csv, length, model.wheelbase_m);
+    if (!odometry.samples.empty()) {
+      check_turn(csv, turn, model, odometry.samples.back(), sample);
+    }
     odometry.samples.push_back(sample);
   }
   if (odometry.samples.size() < 2) throw InputError(path, "expected two or more odometry rows");

@@ -17,7 +17,8 @@ struct OdometryFile {
 ///
 /// Throws InputError naming line and column for a sample outside the domain: |speed| <= 100 m/s,
 /// |yaw rate| <= 10 rad/s, |steering| <= 1.4 rad, wheelbase above 0 and at most 20 m and the same
-/// in every row; and for times that do not increase.
+/// in every row, a turn of at most 3.14 rad since the row before; and for times that do not
+/// increase.
 OdometryFile read_odometry(const std::filesystem::path& path);
 
 }  // namespace cairn::host

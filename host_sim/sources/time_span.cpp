@@ -55,7 +55,9 @@ std::optional<std::string> check_overlap(const std::filesystem::path& file, cons
                                               : (last >= first ? 1.0 : 0.0);
   if (share < kLeastShareCovered) {
     throw InputError(file,
-                     fmt::format("expected times on the clock of the frames, over {}", spans));
+                     fmt::format("expected times on the clock of the frames, over {}. The times of "
+                                 "frames can be given by --times",
+                                 spans));
   }
   if (share >= kShareCoveredWithoutWarning) return std::nullopt;
   return fmt::format("{}: covers {:.0f} % of {}", file.string(), 100.0 * share, spans);

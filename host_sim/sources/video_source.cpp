@@ -57,7 +57,7 @@ class VideoSource final : public FrameSource {
     info_.camera = camera_.camera;
     info_.frame_rate_hz = media.rate_hz;
     info_.frame_count = media.frame_count;
-    info_.note = fmt::format("camera file of {}; {}", camera_.format,
+    info_.note = fmt::format("camera file format: {}; {}", camera_.format,
                              times_.has_value() ? "times from --times" : media.note);
     info_.inputs = {options.camera};
     info_.inputs.insert(info_.inputs.end(), media.inputs.begin(), media.inputs.end());

@@ -63,6 +63,14 @@ printf '1700000000 0 0 0 0 0 0 1\n1700000001 0 0 0 0 0 0 1\n' >"$work/epoch.tum"
 expect 3 "epoch.tum|0.100 s to 0.167 s|1700000000.000 s" \
   run video:pictures --camera camera.yaml --truth epoch.tum --out out
 
+# a drive that would not end
+mkdir -p "$work/woods"
+printf 't_s,v_mps,om_radps,x_true_m,y_true_m,th_true_rad,true_valid\n0,0,0,0,0,0,1\n1e15,0,0,0,0,0,1\n' \
+  >"$work/woods/odom_gt.csv"
+printf 't_s,landmark_id(1..17),range_m,bearing_rad\n0,1,1,0\n' >"$work/woods/obs.csv"
+printf 'landmark_id,x_m,y_m\n1,1,1\n' >"$work/woods/landmarks.csv"
+expect 3 "odom_gt.csv|604800 s|1e+15 s" run lost-in-the-woods:woods --out out
+
 # a list that names files outside of its folder
 mkdir -p "$work/tum"
 printf '0 0 0 0 0 0 0 1\n' >"$work/tum/groundtruth.txt"

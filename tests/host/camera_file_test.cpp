@@ -231,6 +231,7 @@ TEST(CameraFile, NoCoefficientIsDropped) {
   EXPECT_TRUE(says(problem(plain + "xi: 1.2\n"), {"'xi'", "not read"}));
   EXPECT_TRUE(says(problem(plain + "alpha: 0.6\n"), {"'alpha'"}));
   EXPECT_TRUE(says(problem(plain + "skew: 0.6\n"), {"'skew'"}));
+  EXPECT_TRUE(says(problem(plain + "coefficients: [0.1, 0, 0, 0]\n"), {"'coefficients'"}));
   EXPECT_TRUE(says(problem(plain + "lens_distortion: {k1: 0.1}\n"), {"'lens_distortion'"}));
   EXPECT_TRUE(says(problem(std::string(kOrbSlam2) + "Camera.k4: -0.2\n"), {"'Camera.k4'"}));
   EXPECT_TRUE(says(problem(std::string(kOrbSlam3) + "Camera1.k4: -0.2\n"), {"'Camera1.k4'"}));
@@ -282,6 +283,8 @@ TEST(CameraFile, RefusesACameraThatCannotBeMeant) {
   EXPECT_TRUE(says(problem(0.82, 0.48, ""), {"in pixels", "0.82"}));
   EXPECT_TRUE(says(problem(3.6, 240, ""), {"in pixels", "3.6"}));
   EXPECT_TRUE(says(problem(5e5, 240, ""), {"in pixels"}));
+  EXPECT_TRUE(says(problem_of(folder, "fx: 900\nfy: 90\ncx: 8\ncy: 8\nwidth: 640\nheight: 480\n"),
+                   {"factor of 3", "fy 90"}));
   EXPECT_TRUE(says(problem(500, 240, "p1: -0.047\n"), {"tangential", "-0.047", "fisheye"}));
   EXPECT_TRUE(says(problem(300, 240, "k1: -0.3\n"), {"folds back at pixel", "k1 -0.3"}));
   EXPECT_TRUE(says(problem_of(folder, "fx: 50\nfy: 50\ncx: 8\ncy: 8\nwidth: 50000\nheight: 480\n"),

@@ -30,7 +30,7 @@ TEST(CsvReader, ReadsWhatSpreadsheetsWrite) {
        {"# note\nt_s, speed_mps\n0.5,1e-1\r\n\n1,+2\n",
         "\xEF\xBB\xBFt_s,speed_mps\r\n0.5,0.1\r\n1,2",
         "\"t_s\",\"speed_mps\"\n\"0.5\",0.1\n1,\"2\"\n", "T_S;Speed_MPS\n0,5;0,1\n1;2,0\n",
-        "t s\tspeed mps\n0.5\t0.1\n1\t2\n", "t_s speed_mps\n0.5   0.1\n 1 2 \n",
+        "t s\tspeed mps\n0,5\t0.1\n1\t2\n", "t_s speed_mps\n0.5   0.1\n 1 2 \n",
         "#t_s,speed_mps\n0.5,0.1\n1,2\n", "sep=;\nt_s;speed_mps\n0,5;0.1\n1;2\n",
         "t_s,speed_mps\r0.5,0.1\r1,2\r", "t_s,speed_mps\n0.5,0.1,\n,\n1,2,,\n"}) {
     const auto path = folder.write("a.csv", text);

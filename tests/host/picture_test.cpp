@@ -192,6 +192,8 @@ TEST(PictureFolder, NamesThatAreTimesGiveTheTimes) {
   EXPECT_EQ(numbers(found), (Numbers{0, 1, 2}));
   EXPECT_EQ(list({"0.066667.png", "0.000000.png", "0.033333.png"}).t_us, (Times{0, 33333, 66667}));
   EXPECT_EQ(list({"left-1305031102.9753046.png"}).t_us, (Times{1305031102975305}));
+  EXPECT_EQ(list({"cam0_1305031103.5_l.png", "cam0_1305031102.75_l.png"}).t_us,
+            (Times{1305031102750000, 1305031103500000}));
   EXPECT_EQ(list({"1403636579813555456.png", "1403636579763555584.png"}).t_us,
             (Times{1403636579763556, 1403636579813555}));
   EXPECT_EQ(list({"1403636579763555.png", "1403636579813555.png"}).t_us,
@@ -216,6 +218,8 @@ TEST(PictureFolder, NamesThatCannotBeOrderedAreRefused) {
   EXPECT_TRUE(says(problem({"rgb_1.png", "depth_2.png"}), {"rgb_1.png", "depth_2.png"}));
   EXPECT_TRUE(
       says(problem({"1_1.png", "1_2.png", "2_1.png"}), {"1_1.png", "1_2.png", "one number"}));
+  EXPECT_TRUE(
+      says(problem({"img_12.1.png", "img_12.15.png"}), {"img_12.15.png", "behind the point"}));
   EXPECT_TRUE(says(problem({"1.png", "01.png"}), {"second one", "1.png"}));
   EXPECT_TRUE(says(problem({"1.png", "1.jpg"}), {"second one"}));
   EXPECT_TRUE(says(problem({"99999999999999999999.png"}), {"64 bits", "9223372036854775807"}));

@@ -276,11 +276,13 @@ TEST(OdometryFile, SamplesOutsideTheDomainAreRefusedByLine) {
   };
   const std::string twist = "t_s,speed_mps,yaw_rate_radps\n0,1,0\n";
   const std::string steering = "t_s,speed_mps,steering_rad,wheelbase_m\n0,1,0,0.5\n";
-  EXPECT_EQ(problem(twist + "1,-3,9.9\n"), "no error");
-  EXPECT_EQ(problem(steering + "1,-3,1.4,0.5\n"), "no error");
+  EXPECT_EQ(problem(twist + "0.1,-3,9.9\n"), "no error");
+  EXPECT_EQ(problem(steering + "0.1,-0.3,1.4,0.5\n"), "no error");
   EXPECT_TRUE(says(problem(twist + "1,1,200\n"), {"o.csv:3", "yaw_rate_radps", "10", "200"}));
   EXPECT_TRUE(says(problem(twist + "1,500,0\n"), {"o.csv:3", "speed_mps", "100", "500"}));
   EXPECT_TRUE(says(problem(steering + "1,1,20,0.5\n"), {"o.csv:3", "steering_rad", "1.4", "20"}));
+  EXPECT_TRUE(says(problem(twist + "0.9,1,5\n"), {"o.csv:3", "yaw_rate_radps", "4.5 rad"}));
+  EXPECT_TRUE(says(problem(steering + "0.9,9,1.3,0.5\n"), {"o.csv:3", "steering_rad", "turn"}));
   EXPECT_TRUE(says(problem(steering + "1,1,0,0.6\n"), {"o.csv:3", "wheelbase_m", "same", "0.6"}));
   EXPECT_TRUE(says(problem("t_s,speed_mps,steering_rad,wheelbase_m\n0,1,0,-1\n"),
                    {"o.csv:2", "wheelbase_m", "above 0"}));

@@ -29,9 +29,9 @@ bool is_one_of(const std::string& name, const std::array<const char*, N>& names)
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-constexpr std::array<const char*, 11> kModelKeys = {
-    "distortionmodel", "cameramodel", "model",          "modeltype",  "cameratype", "type",
-    "projectionmodel", "lensmodel",   "distortiontype", "projection", "lenstype"};
+constexpr std::array<const char*, 12> kModelKeys = {
+    "distortionmodel", "cameramodel", "model", "modeltype",      "cameratype", "type",
+    "projectionmodel", "lensmodel",   "lens",  "distortiontype", "projection", "lenstype"};
 
 constexpr std::array<const char*, 10> kCoefficientKeys = {"distortioncoefficients",
                                                           "distortioncoeffs",
@@ -55,7 +55,7 @@ bool speaks_of_the_lens(const std::string& name) {
       "xi",   "alpha", "beta",  "lambda", "omega",  "skew", "tau",
       "taux", "tauy",  "rpmax", "shear",  "alphac", "kc"};
   for (const char* part :
-       {"dist", "fisheye", "mirror", "radial", "tangential", "prism", "binning"}) {
+       {"dist", "fisheye", "mirror", "radial", "tangential", "prism", "binning", "coef"}) {
     if (name.find(part) != std::string::npos) return true;
   }
   return is_numbered_coefficient(name) || is_one_of(name, kWords) || is_one_of(name, kModelKeys) ||
