@@ -17,7 +17,7 @@
 
 #include "host_sim/replay/frame_marks.hpp"
 #include "host_sim/replay/log_replay.hpp"
-#include "host_sim/trackers/scene_objects.hpp"
+#include "host_sim/replay/scene_objects.hpp"
 
 // Different bodies, so that they stay three functions.
 extern "C" {

@@ -6,9 +6,9 @@
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/replay/scene_objects.hpp"
 #include "host_sim/trackers/fading.hpp"
 #include "host_sim/trackers/host_ticks.hpp"
-#include "host_sim/trackers/scene_objects.hpp"
 
 namespace cairn::host {
 namespace {

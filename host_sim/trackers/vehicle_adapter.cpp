@@ -10,10 +10,10 @@
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/replay/scene_objects.hpp"
 #include "host_sim/trackers/host_ticks.hpp"
 #include "host_sim/trackers/input_log_file.hpp"
 #include "host_sim/trackers/landmark_list.hpp"
-#include "host_sim/trackers/scene_objects.hpp"
 
 namespace cairn::host {
 namespace {
