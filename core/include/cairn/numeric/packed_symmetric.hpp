@@ -10,9 +10,11 @@ namespace cairn {
 
 /// Distance from 1 to the next number of a floating-point type.
 template <class T>
-inline constexpr T kEpsilon = T(DBL_EPSILON);
+inline constexpr double kEpsilonInDouble = DBL_EPSILON;
 template <>
-inline constexpr float kEpsilon<float> = FLT_EPSILON;
+inline constexpr double kEpsilonInDouble<float> = static_cast<double>(FLT_EPSILON);
+template <class T>
+inline constexpr T kEpsilon = T(kEpsilonInDouble<T>);
 
 /// Symmetric matrix of run-time size n <= Capacity, lower triangle packed row by row:
 /// element (i, j), j <= i, lies at i (i + 1) / 2 + j. Half the memory traffic of a full matrix, and

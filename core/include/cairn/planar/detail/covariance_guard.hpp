@@ -44,9 +44,9 @@ class CovarianceGuard {
 
  private:
   /// What counts as zero, as a share of a state's variance: what rounding leaves of it.
-  static constexpr T kZero = T(64) * kEpsilon<T>;
+  static constexpr T kZero = T(64.0 * kEpsilonInDouble<T>);
   /// Share of its variance that a broken landmark gets on top.
-  static constexpr T kRepair = T(1) / T(1024);
+  static constexpr T kRepair = T(1.0 / 1024.0);
 
   static bool variances_sound(const Model& model) {
     const auto& P = model.covariance();

@@ -12,7 +12,7 @@ namespace cairn::detail {
 /// are measured for ever fall below what P can resolve beside those that are not, and P becomes
 /// indefinite. Measured: 2 epsilon are too few for 60 landmarks, 4 enough, twice that is taken.
 template <class T>
-inline constexpr T kRoundingNoise = T(8) * kEpsilon<T>;
+inline constexpr T kRoundingNoise = T(8.0 * kEpsilonInDouble<T>);
 
 /// Kalman update of an error model with observations that are all linearised at one mean, one after
 /// the other: the same result as one batch update, without its big matrices. Each observation
