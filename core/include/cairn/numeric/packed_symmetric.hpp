@@ -1,11 +1,18 @@
 #pragma once
 
+#include <cfloat>
 #include <cstdint>
 #include <utility>
 
 #include "cairn/numeric/multiply_add.hpp"
 
 namespace cairn {
+
+/// Distance from 1 to the next number of the floating-point type T.
+template <class T>
+inline constexpr double kEpsilon = DBL_EPSILON;
+template <>
+inline constexpr double kEpsilon<float> = static_cast<double>(FLT_EPSILON);
 
 /// Symmetric matrix of run-time size n <= Capacity, lower triangle packed row by row:
 /// element (i, j), j <= i, lies at i (i + 1) / 2 + j. Half the memory traffic of a full matrix, and
@@ -133,6 +140,15 @@ class PackedSymmetric {
       for (int j = first + count; j <= i; ++j) to[j - count] = from[j];
     }
     size_ -= count;
+  }
+
+  /// P_ii += factor P_ii. Cost: n multiply-adds.
+  void inflate_diagonal(T factor) {
+    T* p = data_;
+    for (int i = 0; i < size_; ++i) {
+      *p += factor * *p;
+      p += i + 2;
+    }
   }
 
   /// Raises every diagonal element below `floor` to it; the number of elements raised.

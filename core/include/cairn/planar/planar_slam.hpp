@@ -7,8 +7,10 @@
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/numeric/random.hpp"
+#include "cairn/planar/detail/covariance_guard.hpp"
 #include "cairn/planar/detail/landmark_slots.hpp"
 #include "cairn/planar/detail/reacquisition.hpp"
+#include "cairn/planar/detail/rest.hpp"
 #include "cairn/planar/detail/whitened_update.hpp"
 #include "cairn/planar/increment.hpp"
 #include "cairn/planar/observation/point.hpp"
@@ -38,7 +40,8 @@ class PixelUpdate;
 ///   start, propagate, widen_pose      the vehicle: at a known pose, by odometry, with more noise
 ///   frame, relative                   the relative vector landmark - vehicle, in frame()'s axes
 ///   relative_of, relative_columns,    with C its Jacobian by the error: C v, P C^T,
-///   relative_covariance               C P C^T
+///   relative_covariance,              C P C^T
+///   relative_scale                    and the variances that it is a difference of
 ///   retraction, relative_after        the relative vector if a correction d were applied
 ///   correct                           applies d to the mean
 ///   append_..., remove_landmark,      the map; see error_model/landmark_insertion.hpp
@@ -68,7 +71,8 @@ class PlanarSlam {
 
   /// Moves the vehicle by one odometry increment. Errors: kNotInitialised; kNonFiniteInput,
   /// kInvalidArgument of validate(increment). After lasting rejections (see PlanarParameters) it
-  /// also widens the pose.
+  /// also widens the pose. At rest the noise is held until an update drops it (rest_sigmas) or it
+  /// grows beyond 2 cm or 10 mrad; until then no covariance shows it.
   Status predict(const PlanarIncrement<Scalar>& increment);
 
   /// Updates with observations of landmarks by any sensor. `Sensor` is an observation model over
@@ -77,7 +81,9 @@ class PlanarSlam {
   ///   bool linearise(observation, frame, relative, covariance, out) const   fills `out`
   ///     (LinearisedObservation) at the relative vector and its covariance; false: cannot be used
   /// Observations of unknown landmarks are passed over, those outside the gate counted and left
-  /// out; having used none is not an error. Errors: kNotInitialised; kInvalidArgument (more than
+  /// out; having used none is not an error. The covariance is kept positive semi-definite: by noise
+  /// for the arithmetic, by repairs and at last by a reset that forgets correlations, which
+  /// health() counts. Errors: kNotInitialised; kInvalidArgument (more than
   /// kMaxObservations); those of check(): nothing is used then.
   /// Cost: per landmark n multiply-adds for each nonzero state and n (n + 1) for the covariance.
   template <class Observation, class Sensor>
@@ -231,8 +237,12 @@ class PlanarSlam {
 
   template <class Observation, class Sensor>
   Status check_observations(Span<Observation> observations, const Sensor& sensor);
+  template <class Observation, class Sensor>
+  int collect(Span<Observation> observations, const Sensor& sensor, UpdateReport& report);
   bool admit(const Linearised& observation, const RelativeCovariance<T>& relative, T gate,
              UpdateReport& report);
+  bool tells_nothing_new(int count, UpdateReport& report);
+  void end_rest();
   void refuse(int slot, UpdateReport& report);
   void apply_update(int first, int count, UpdateReport& report, bool deviates = false);
   void finish_update(int used, UpdateReport& report);
@@ -248,12 +258,16 @@ class PlanarSlam {
   Health health_;
   std::uint32_t updates_ = 0;
   detail::Reacquisition reacquisition_;
+  detail::Rest<T> rest_;
+  detail::CovarianceGuard<ErrorModel> guard_;
 
   // Scratch of one update: members, not locals, so that the stack stays small.
   Linearised observations_[kMaxObservations];
   InnovationCovariance<T> prior_[kMaxObservations];  ///< of the pixel candidates
   int refused_[kMaxObservations] = {};
   int refused_count_ = 0;
+  T admitted_nis_ = T(0);  ///< of the observations inside their gates, before the update
+  bool singular_ = false;  ///< an innovation covariance was not positive definite
   detail::WhitenedUpdate<ErrorModel> update_;
 };
 

@@ -47,6 +47,12 @@ struct PlanarParameters {
   /// that number is at least this (then the one used least, then the lowest slot). 0: never.
   int replace_after = 20;
 
+  /// At rest (odometry of exactly no motion since the last update) the same picture again tells
+  /// nothing new. An update whose normalised innovations stay within this many standard deviations
+  /// of what is expected confirms that the vehicle rests: it counts, changes nothing, and the
+  /// odometry noise since the last one is dropped. 0: every update is applied.
+  T rest_sigmas = T(4);
+
   /// A vehicle with odometry needs fewer inliers than a camera in the hand.
   OnePointRansacParameters ransac = {0.99F, 16, 3, 0.5F};
   /// Inlier: chi-square of a candidate's residual after the hypothesis, under the covariance that

@@ -25,10 +25,17 @@ class PixelUpdate {
     if (status == Status::kNonFiniteInput) ++filter_.health_.non_finite_inputs;
     if (!ok(status)) return status;
 
-    report_ = UpdateReport{};
-    filter_.refused_count_ = 0;
     for (int i = 0; i < count_; ++i) matches_[i].inlier = false;
     candidates_ = collect_candidates();
+    if (filter_.rest_.resting()) {
+      if (filter_.tells_nothing_new(candidates_, report_)) {
+        report_.low_innovation = candidates_;
+        mark_inliers(candidates_);
+        return Status::kOk;
+      }
+      filter_.end_rest();
+      candidates_ = collect_candidates();
+    }
 
     filter_.update_.begin(filter_.model_);
     const auto best = one_point_ransac<Filter::kMaxObservations>(
@@ -47,9 +54,7 @@ class PixelUpdate {
     const int high = rescue(low);
     report_.high_innovation = high;
     filter_.apply_update(low, high, report_);
-    for (int k = 0; k < low + high; ++k) {
-      matches_[filter_.observations_[k].source].inlier = true;
-    }
+    mark_inliers(low + high);
     filter_.finish_update(low + high, report_);
     return Status::kOk;
   }
@@ -67,6 +72,10 @@ class PixelUpdate {
     return view_.camera->validate();
   }
 
+  void mark_inliers(int count) {
+    for (int k = 0; k < count; ++k) matches_[filter_.observations_[k].source].inlier = true;
+  }
+
   int slot_of(const PixelMatch<T>& match) const {
     const auto& slots = filter_.slots_;
     const bool same = match.slot >= 0 && match.slot < slots.size() && match.id != kNoLandmark &&
@@ -76,6 +85,10 @@ class PixelUpdate {
 
   /// Fills observations_ with the matches inside their own gates; the number of them.
   int collect_candidates() {
+    report_ = UpdateReport{};
+    filter_.refused_count_ = 0;
+    filter_.admitted_nis_ = T(0);
+    filter_.singular_ = false;
     view_.frame = filter_.model_.frame();
     int candidates = 0;
     for (int i = 0; i < count_; ++i) {

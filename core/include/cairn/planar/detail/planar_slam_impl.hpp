@@ -25,12 +25,13 @@ Status PlanarSlam<ErrorModel>::check_start(const PlanarPose<T>& pose, const Matr
   }
   if (abs(pose.heading) > T(1e4)) return Status::kInvalidArgument;
   const PlanarParameters<T>& p = parameters;
-  const bool sane =
-      p.gate > T(0) && p.ransac_threshold > T(0) && p.rescue_gate > T(0) &&
-      p.reacquire_after >= 0 && p.reacquire_landmark_after >= 1 && p.reacquire_steps >= 0 &&
-      p.reacquire_steps <= 20 && p.reacquire_position_m >= T(0) &&
-      p.reacquire_heading_rad >= T(0) && p.reacquire_landmark_m >= T(0) && p.replace_after >= 0 &&
-      p.ransac.max_hypotheses >= 1 && p.ransac.probability > 0.0F && p.ransac.probability < 1.0F;
+  const bool sane = p.gate > T(0) && p.ransac_threshold > T(0) && p.rescue_gate > T(0) &&
+                    p.reacquire_after >= 0 && p.reacquire_landmark_after >= 1 &&
+                    p.reacquire_steps >= 0 && p.reacquire_steps <= 20 &&
+                    p.reacquire_position_m >= T(0) && p.reacquire_heading_rad >= T(0) &&
+                    p.reacquire_landmark_m >= T(0) && p.replace_after >= 0 &&
+                    p.rest_sigmas >= T(0) && p.ransac.max_hypotheses >= 1 &&
+                    p.ransac.probability > 0.0F && p.ransac.probability < 1.0F;
   return sane ? Status::kOk : Status::kBadConfig;
 }
 
@@ -45,6 +46,8 @@ Status PlanarSlam<ErrorModel>::initialise(const PlanarPose<T>& pose, const Matri
   model_.start(pose, covariance);
   updates_ = 0;
   reacquisition_.clear();
+  rest_.clear();
+  guard_.clear();
   initialised_ = true;
   return Status::kOk;
 }
@@ -55,8 +58,12 @@ Status PlanarSlam<ErrorModel>::predict(const PlanarIncrement<T>& increment) {
   const Status status = validate(increment);
   if (status == Status::kNonFiniteInput) ++health_.non_finite_inputs;
   if (!ok(status)) return status;
-  model_.propagate(increment);
+  if (!rest_.hold(increment)) {
+    end_rest();
+    model_.propagate(increment);
+  }
   if (reacquisition_.take()) {
+    end_rest();
     const T scale = static_cast<T>(1 << (reacquisition_.steps() - 1));
     model_.widen_pose(square(scale * parameters_.reacquire_position_m),
                       square(scale * parameters_.reacquire_heading_rad));
@@ -65,11 +72,21 @@ Status PlanarSlam<ErrorModel>::predict(const PlanarIncrement<T>& increment) {
   return Status::kOk;
 }
 
+/// The vehicle may have moved, or there is something to learn without motion.
+template <class ErrorModel>
+void PlanarSlam<ErrorModel>::end_rest() {
+  if (!rest_.resting()) return;
+  const bool noise = rest_.holds_noise();
+  const PlanarIncrement<T> held = rest_.end();
+  if (noise) model_.propagate(held);
+}
+
 template <class ErrorModel>
 Status PlanarSlam<ErrorModel>::widen_pose(T position_variance, T heading_variance) {
   if (!initialised_) return Status::kNotInitialised;
   if (!is_finite(position_variance) || !is_finite(heading_variance)) return Status::kNonFiniteInput;
   if (position_variance < T(0) || heading_variance < T(0)) return Status::kInvalidArgument;
+  end_rest();
   model_.widen_pose(position_variance, heading_variance);
   return Status::kOk;
 }
@@ -156,6 +173,8 @@ void PlanarSlam<ErrorModel>::hash(Hash64& hash) const {
   const int count = P.size() * (P.size() + 1) / 2;
   for (int k = 0; k < count; ++k) hash.add(P.data()[k]);
   if constexpr (ErrorModel::kDefersNoise) model_.hash_deferred(hash);
+  hash.add(static_cast<std::uint8_t>(rest_.resting()));
+  for (int i = 0; i < 2; ++i) hash.add(rest_.held().covariance(i, i));
 }
 
 }  // namespace cairn

@@ -27,14 +27,18 @@ Status PlanarSlam<ErrorModel>::check_landmark(const LandmarkVector& p,
   return Status::kOk;
 }
 
-/// A slot for one more landmark, by replacement where the map is full; slots may move.
+/// A slot for one more landmark, by replacement where the map is full; slots may move. Ends a rest:
+/// a new landmark is something to learn.
 template <class ErrorModel>
 Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced) {
   if (!initialised_) return Status::kNotInitialised;
   if (id == kNoLandmark) return Status::kInvalidArgument;
   if (find(id) >= 0) return Status::kDuplicate;
   if (replaced != nullptr) *replaced = kNoLandmark;
-  if (!slots_.full()) return Status::kOk;
+  if (!slots_.full()) {
+    end_rest();
+    return Status::kOk;
+  }
   const int slot =
       parameters_.replace_after > 0
           ? slots_.replaceable(updates_, static_cast<std::uint32_t>(parameters_.replace_after))
@@ -44,6 +48,7 @@ Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced) {
     return Status::kFull;
   }
   if (replaced != nullptr) *replaced = slots_.id(slot);
+  end_rest();
   model_.remove_landmark(slot);
   slots_.remove_unordered(slot);
   ++health_.landmarks_replaced;
@@ -172,6 +177,7 @@ Status PlanarSlam<ErrorModel>::widen_frame(LandmarkId origin, LandmarkId ahead, 
     if (!finite || position_variance < T(0) || heading_variance < T(0)) {
       return Status::kInvalidArgument;
     }
+    end_rest();
     detail::widen_frame(model_, at_origin, at_ahead, position_variance, heading_variance);
     return Status::kOk;
   }

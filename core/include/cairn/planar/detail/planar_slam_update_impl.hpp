@@ -27,14 +27,16 @@ Status PlanarSlam<ErrorModel>::check_observations(Span<Observation> observations
   return worst;
 }
 
+/// Fills observations_ with the sightings of known landmarks inside their gates; the number of
+/// them.
 template <class ErrorModel>
 template <class Observation, class Sensor>
-Status PlanarSlam<ErrorModel>::update(Span<Observation> observations, const Sensor& sensor,
-                                      UpdateReport& report) {
-  const Status status = check_observations(observations, sensor);
-  if (!ok(status)) return status;
+int PlanarSlam<ErrorModel>::collect(Span<Observation> observations, const Sensor& sensor,
+                                    UpdateReport& report) {
   report = UpdateReport{};
   refused_count_ = 0;
+  admitted_nis_ = T(0);
+  singular_ = false;
   const RelativeFrame<T> frame = model_.frame();
   int count = 0;
   for (int i = 0; i < observations.size; ++i) {
@@ -55,9 +57,43 @@ Status PlanarSlam<ErrorModel>::update(Span<Observation> observations, const Sens
     }
     if (admit(linearised, covariance, parameters_.gate, report)) ++count;
   }
+  return count;
+}
+
+template <class ErrorModel>
+template <class Observation, class Sensor>
+Status PlanarSlam<ErrorModel>::update(Span<Observation> observations, const Sensor& sensor,
+                                      UpdateReport& report) {
+  const Status status = check_observations(observations, sensor);
+  if (!ok(status)) return status;
+  int count = collect(observations, sensor, report);
+  if (rest_.resting()) {
+    if (tells_nothing_new(count, report)) return Status::kOk;
+    end_rest();
+    count = collect(observations, sensor, report);
+  }
   apply_update(0, count, report);
   finish_update(count, report);
   return Status::kOk;
+}
+
+/// At rest: whether observations_[0 .. count) agree with no motion. They are then counted, and the
+/// noise held back is dropped.
+template <class ErrorModel>
+bool PlanarSlam<ErrorModel>::tells_nothing_new(int count, UpdateReport& report) {
+  constexpr int kFewest = 3;        // fewer prove little
+  constexpr int kRefusedShare = 4;  // nor do some of which one in four is refused
+  if (count < kFewest || refused_count_ * kRefusedShare > count || singular_) return false;
+  int rows = 0;
+  for (int k = 0; k < count; ++k) rows += observations_[k].rows;
+  const T expected = static_cast<T>(rows);
+  if (!(admitted_nis_ <= expected + parameters_.rest_sigmas * sqrt(T(2) * expected))) return false;
+  if (!(parameters_.rest_sigmas > T(0))) return false;
+  rest_.begin();
+  report.nis += static_cast<float>(admitted_nis_);
+  report.nis_dof += rows;
+  finish_update(count, report);
+  return true;
 }
 
 template <class ErrorModel>
@@ -100,6 +136,7 @@ Status PlanarSlam<ErrorModel>::update_height(LandmarkId id, T height_m, T sigma_
       return Status::kSingular;
     }
     if (!(squared <= gate)) return Status::kGated;
+    singular_ = false;
     UpdateReport report;
     apply_update(0, 1, report);
     return Status::kOk;
@@ -114,9 +151,13 @@ bool PlanarSlam<ErrorModel>::admit(const Linearised& observation,
   const InnovationCovariance<T> s = innovation_covariance(observation, relative);
   if (!s.mahalanobis(observation.innovation, squared)) {
     ++health_.innovations_singular;
+    singular_ = true;
     return false;
   }
-  if (squared <= gate) return true;
+  if (squared <= gate) {
+    admitted_nis_ += squared;
+    return true;
+  }
   refuse(observation.slot, report);
   return false;
 }
@@ -138,6 +179,8 @@ void PlanarSlam<ErrorModel>::apply_update(int first, int count, UpdateReport& re
       update_.apply(model_, observations_ + first, count, deviates, nis, report.nis_dof);
   health_.innovations_singular += static_cast<std::uint32_t>(singular);
   report.nis += static_cast<float>(nis);
+  if constexpr (kHasWorldLandmarks) guard_.check(model_, singular_ || singular > 0, health_);
+  if (count > 0 && parameters_.rest_sigmas > T(0)) rest_.begin();
 }
 
 /// Book-keeping after an update: who was refused, and whether the filter has locked itself out.

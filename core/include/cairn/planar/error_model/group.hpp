@@ -3,7 +3,6 @@
 #include "cairn/planar/detail/deferred_noise.hpp"
 #include "cairn/planar/error_model/cartesian_map.hpp"
 #include "cairn/planar/error_model/group_action.hpp"
-#include "cairn/planar/error_model/group_moments.hpp"
 #include "cairn/planar/error_model/landmark_insertion.hpp"
 #include "cairn/planar/increment.hpp"
 
@@ -14,8 +13,11 @@ namespace cairn {
 /// axes has the Jacobian C = [0, -I, +I] whatever the heading is, so that no information enters the
 /// directions that nothing measures; the transition is the identity.
 ///
-/// Odometry noise is gathered in the 3x3 matrix W, exactly and in O(1): the covariance is P + B W
-/// B^T with B = [I3; -J p_i, 0], J = [0 -1; 1 0]. Interface: PlanarSlam.
+/// Odometry noise is gathered in the 3x3 matrix W, exactly and in O(1). What the vehicle's pose was
+/// unsure by when the first landmark came is an error of the whole world: no sighting depends on
+/// it, so it stays in the 3x3 matrix G, and P resolves what is small beside it. The covariance is P
+/// + B W B^T + U G U^T, B = [I3; -J p_i, 0], U = [I3; 0, I], J = [0 -1; 1 0]. Interface:
+/// PlanarSlam.
 template <class T, int MaxLandmarks, int LandmarkDim>
 class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim> {
   using Map = detail::CartesianMap<T, MaxLandmarks, LandmarkDim>;
@@ -40,10 +42,15 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   Matrix3<T> pose_covariance() const;
   LandmarkVector landmark_position(int slot) const;
   LandmarkMatrix landmark_covariance(int slot) const;
-  T error_covariance(int i, int j) const { return P_(i, j) + deferred_covariance(i, j); }
+  T error_covariance(int i, int j) const {
+    return P_(i, j) + deferred_covariance(i, j) + shared_covariance(i, j);
+  }
   void hash_deferred(Hash64& hash) const {
     for (int i = 0; i < 3; ++i) {
       for (int j = 0; j <= i; ++j) hash.add(W_(i, j));
+    }
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j <= i; ++j) hash.add(G_(i, j));
     }
   }
 
@@ -62,6 +69,12 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     if constexpr (LandmarkDim > 2) out[2] = l[2];
   }
   void relative_covariance(int slot, RelativeCovariance<T>& out) const;
+  /// Variances whose difference the relative covariance is, per coordinate.
+  void relative_scale(int slot, T* out) const {
+    const int l = Map::state_of(slot);
+    for (int i = 0; i < LandmarkDim; ++i) out[i] = P_(l + i, l + i);
+    for (int i = 0; i < 2; ++i) out[i] += P_(kPositionState + i, kPositionState + i);
+  }
   void relative_columns(int slot, T* __restrict c0, T* __restrict c1, T* __restrict c2) const;
 
   using Retraction = detail::PlanarExponential<T>;
@@ -83,6 +96,7 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   }
 
   void append_landmark(const LandmarkVector& y, const LandmarkMatrix& R) {
+    if (this->landmark_count() == 0) share_pose_error();
     detail::append_seen(*this, y, R);
   }
   void append_position() { append_landmark(LandmarkVector::Zero(), LandmarkMatrix::Zero()); }
@@ -93,6 +107,8 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   void rows_beside_vehicle(int, Rows& rows) const {
     for (int i = 0; i < 2; ++i) rows.add(i, kPositionState + i, T(1));
   }
+  /// What is known in the world does not share the world's error: G enters P before it comes.
+  void join_world();
   /// xi = p - R(e) p^ of a point that does not turn with the error of the heading: -J p^ e.
   void rows_in_world(int slot, Rows& rows, T weight) const {
     rows.add(0, kHeadingState, weight * p_[slot][1]);
@@ -100,11 +116,24 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   }
 
  private:
-  T heading_variance() const { return P_(0, 0) + W_(0, 0); }
+  /// Column of U that has a 1 in row `state`, -1 where there is none.
+  static int shared_axis(int state) {
+    if (state < 3) return state;
+    const int axis = (state - 3) % LandmarkDim;
+    return axis < 2 ? 1 + axis : -1;
+  }
+  T heading_variance() const { return P_(0, 0) + W_(0, 0) + G_(0, 0); }
   T deferred_covariance(int i, int j) const;
+  T shared_covariance(int i, int j) const {
+    const int a = shared_axis(i);
+    const int b = shared_axis(j);
+    return a < 0 || b < 0 ? T(0) : G_(a, b);
+  }
+  void share_pose_error();
 
   Matrix3<T> W_ = Matrix3<T>::Zero();  ///< odometry noise since the last pass over P
   bool deferred_ = false;              ///< W was added to
+  Matrix3<T> G_ = Matrix3<T>::Zero();  ///< error of the world that all states share
   T along_[Map::kStates] = {};         ///< of deferred_noise()
 };
 
@@ -118,6 +147,23 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::start(const PlanarPose<T>& p
     for (int j = 0; j <= i; ++j) P_(i, j) = covariance(from[i], from[j]);
   }
   deferred_noise_absorbed();
+  G_.setZero();
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::share_pose_error() {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) G_(i, j) += P_(i, j);
+  }
+  P_.set_zero();
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::join_world() {
+  for (int i = 0; i < P_.size(); ++i) {
+    for (int j = 0; j <= i; ++j) P_(i, j) += shared_covariance(i, j);
+  }
+  G_.setZero();
 }
 
 template <class T, int MaxLandmarks, int LandmarkDim>
@@ -281,61 +327,6 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::relative_columns(int slot, T
   }
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::pose() const {
-  const T rho = exp(T(-0.5) * heading_variance());
-  PlanarPose<T> pose;
-  pose.position = {this->anchor_[0] + rho * x_[0], this->anchor_[1] + rho * x_[1]};
-  pose.heading = heading_;
-  return pose;
-}
-
-template <class T, int MaxLandmarks, int LandmarkDim>
-Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::pose_covariance() const {
-  const T c[2] = {P_(1, 0) + W_(1, 0), P_(2, 0) + W_(2, 0)};
-  const T xi[3] = {P_(1, 1) + W_(1, 1), P_(2, 1) + W_(2, 1), P_(2, 2) + W_(2, 2)};
-  const auto m = detail::turned_point_moments(heading_variance(), x_, c, xi);
-  Matrix3<T> out;
-  out << m.cov[0], m.cov[1], m.with_heading[0], m.cov[1], m.cov[2], m.with_heading[1],
-      m.with_heading[0], m.with_heading[1], heading_variance();
-  return out;
-}
-
-template <class T, int MaxLandmarks, int LandmarkDim>
-typename GroupErrorModel<T, MaxLandmarks, LandmarkDim>::LandmarkVector
-GroupErrorModel<T, MaxLandmarks, LandmarkDim>::landmark_position(int slot) const {
-  const T rho = exp(T(-0.5) * heading_variance());
-  LandmarkVector p = this->mean_landmark(slot);
-  for (int i = 0; i < 2; ++i) p(i) = this->anchor_[i] + rho * p_[slot][i];
-  return p;
-}
-
-template <class T, int MaxLandmarks, int LandmarkDim>
-typename GroupErrorModel<T, MaxLandmarks, LandmarkDim>::LandmarkMatrix
-GroupErrorModel<T, MaxLandmarks, LandmarkDim>::landmark_covariance(int slot) const {
-  const int l = Map::state_of(slot);
-  const T b[2] = {p_[slot][1], -p_[slot][0]};  // -J p
-  const T w = W_(0, 0);
-  const T c[2] = {P_(l, 0) + b[0] * w, P_(l + 1, 0) + b[1] * w};
-  const T xi[3] = {P_(l, l) + b[0] * w * b[0], P_(l + 1, l) + b[0] * w * b[1],
-                   P_(l + 1, l + 1) + b[1] * w * b[1]};
-  const auto m = detail::turned_point_moments(heading_variance(), p_[slot], c, xi);
-  LandmarkMatrix out;
-  out(0, 0) = m.cov[0];
-  out(0, 1) = m.cov[1];
-  out(1, 0) = m.cov[1];
-  out(1, 1) = m.cov[2];
-  if constexpr (LandmarkDim > 2) {
-    const T rho = exp(T(-0.5) * heading_variance());
-    const T with_e = P_(l + 2, 0);
-    const T jm[2] = {-p_[slot][1], p_[slot][0]};
-    for (int i = 0; i < 2; ++i) {
-      out(2, i) = P_(l + 2, l + i) + rho * jm[i] * with_e;
-      out(i, 2) = out(2, i);
-    }
-    out(2, 2) = P_(l + 2, l + 2);
-  }
-  return out;
-}
-
 }  // namespace cairn
+
+#include "cairn/planar/error_model/group_read_out.hpp"

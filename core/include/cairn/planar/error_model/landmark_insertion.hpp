@@ -100,6 +100,7 @@ template <class Model>
 void append_of_world(Model& model, const typename Model::LandmarkVector& p_world,
                      const typename Model::LandmarkMatrix& covariance, int reference) {
   using T = typename Model::Scalar;
+  model.join_world();
   model.place_in_world(p_world);
   ErrorRowsOf<Model> rows;
   model.rows_in_world(model.landmark_count(), rows, T(1));

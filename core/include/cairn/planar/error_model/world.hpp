@@ -68,6 +68,14 @@ class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     if constexpr (LandmarkDim > 2) out[2] = l[2];
   }
   void relative_covariance(int slot, RelativeCovariance<T>& out) const;
+  /// Variances whose difference the relative covariance is, per coordinate.
+  void relative_scale(int slot, T* out) const {
+    const int l = Map::state_of(slot);
+    const T arm[2] = {p_[slot][1] - x_[1], p_[slot][0] - x_[0]};
+    for (int i = 0; i < LandmarkDim; ++i) out[i] = P_(l + i, l + i);
+    for (int i = 0; i < 2; ++i)
+      out[i] += P_(i, i) + square(arm[i]) * P_(kHeadingState, kHeadingState);
+  }
   void relative_columns(int slot, T* c0, T* c1, T* c2) const;
 
   struct Retraction {
@@ -112,6 +120,7 @@ class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     rows.add(0, kHeadingState, x_[1] - p_[slot][1]);
     rows.add(1, kHeadingState, p_[slot][0] - x_[0]);
   }
+  void join_world() {}
   void rows_in_world(int, Rows&, T) const {}
 };
 

@@ -62,6 +62,13 @@ class LiftedErrorModel {
   void relative(int slot, T* out) const { relative_of(slot, z_, out); }
   void relative_of(int slot, const T* v, T* out) const;
   void relative_covariance(int slot, RelativeCovariance<T>& out) const;
+  /// Variances whose difference the relative covariance is, per coordinate.
+  void relative_scale(int slot, T* out) const {
+    const int l = state_of(slot);
+    out[0] = P_(7, 7) + P_(8, 8) + P_(l + 3, l + 3) + P_(l + 4, l + 4);
+    out[1] = P_(6, 6) + P_(9, 9) + P_(l + 2, l + 2) + P_(l + 5, l + 5);
+    if constexpr (LandmarkDim > 2) out[2] = P_(l + kLandmark - 1, l + kLandmark - 1);
+  }
   void relative_columns(int slot, T* c0, T* c1, T* c2) const;
 
   struct Retraction {};

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "cairn/planar/increment.hpp"
+
+namespace cairn::detail {
+
+/// A vehicle at rest, by odometry: since the last update that was applied or confirmed, every
+/// increment was exactly no motion. The noise of these increments is held back: the errors of a
+/// wheel that stands do not add up, and sightings that agree with rest prove that there was none.
+template <class T>
+class Rest {
+ public:
+  void clear() { *this = Rest(); }
+  bool resting() const { return resting_; }
+
+  /// An update settled the pose here.
+  void begin() {
+    resting_ = true;
+    held_ = PlanarIncrement<T>();
+  }
+  /// The noise that is held, as an increment; there is none afterwards, and no rest.
+  PlanarIncrement<T> end() {
+    const PlanarIncrement<T> held = held_;
+    clear();
+    return held;
+  }
+  /// Whether an increment is held. False: it moves the vehicle, or what is held grew too large.
+  bool hold(const PlanarIncrement<T>& increment) {
+    if (!resting_ || increment.distance_m != T(0) || increment.turn_rad != T(0)) return false;
+    const Matrix2<T> sum = held_.covariance + increment.covariance;
+    if (sum(0, 0) > kMostDistanceVariance || sum(1, 1) > kMostTurnVariance) return false;
+    held_.covariance = sum;
+    return true;
+  }
+  bool holds_noise() const {
+    return held_.covariance(0, 0) > T(0) || held_.covariance(1, 1) > T(0);
+  }
+  const PlanarIncrement<T>& held() const { return held_; }
+
+ private:
+  static constexpr T kMostDistanceVariance = T(4e-4);  ///< m^2
+  static constexpr T kMostTurnVariance = T(1e-4);      ///< rad^2
+
+  bool resting_ = false;
+  PlanarIncrement<T> held_;
+};
+
+}  // namespace cairn::detail
