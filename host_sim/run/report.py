@@ -233,7 +233,9 @@ def main(folder):
     parts = [
         f"<h1>{html.escape(manifest['source']['name'])}</h1>",
         f"<p class='muted'>{config['mode']} &middot; {config['filter']} &middot; seed {manifest['seed']}"
-        f" &middot; {html.escape(manifest['source']['note'] or 'no assumptions')}</p>", cards(summary)]
+        f" &middot; {html.escape(manifest['source']['note'] or 'no assumptions')}</p>",
+        *(f"<p><b>Warning:</b> {html.escape(text)}</p>" for text in manifest["source"].get("warnings", [])),
+        cards(summary)]
     pictures = sorted(glob.glob(folder + "/overlay-*.jpg"))
     if pictures:
         parts += ["<h2>What a user sees</h2><div class='frames'>", *map(picture, pictures), "</div>"]
