@@ -205,7 +205,10 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
                             registration_settings(source.info(), tracker_settings.mode));
   const RunTrajectory trajectory = evaluate_run(record, tracker_settings.mode);
   nlohmann::json summary = summarise(record, trajectory, registration, options.budget_ms);
-  summary["input"] = {{"warnings", source.info().warnings}, {"damaged", source.info().damaged}};
+  const std::optional<int> expected = source.info().frame_count;
+  summary["input"] = {{"frames_expected", expected ? nlohmann::json(*expected) : nullptr},
+                      {"warnings", source.info().warnings},
+                      {"damaged", source.info().damaged}};
 
   write_manifest(options.out, {options.command_line, tracker_settings, options.source},
                  source.info(), record);

@@ -238,7 +238,9 @@ def main(folder):
         f"<h1>{shown(manifest['source']['name'])}</h1>",
         f"<p class='muted'>{shown(config['mode'])} &middot; {shown(config['filter'])}"
         f" &middot; seed {shown(manifest['seed'])}"
-        f" &middot; {shown(manifest['source']['note'] or 'no assumptions')}</p>", cards(summary)]
+        f" &middot; {shown(manifest['source']['note'] or 'no assumptions')}</p>",
+        *(f"<p><b>Warning:</b> {shown(text)}</p>" for text in manifest["source"].get("warnings", [])),
+        cards(summary)]
     pictures = sorted(glob.glob(glob.escape(folder) + "/overlay-*.jpg"))
     if pictures:
         parts += ["<h2>What a user sees</h2><div class='frames'>", *map(picture, pictures), "</div>"]

@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/io/camera_file.hpp"
 #include "host_sim/io/image_file.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/picture_folder.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
+#include "host_sim/sources/time_span.hpp"
 #include "host_sim/world/gaussian.hpp"
 
 namespace cairn::host {
@@ -35,10 +37,11 @@ PinholeCamera<double> read_calibration(const fs::path& path, const fs::path& fir
   read_grey_image(first_image, {}, picture);
   camera.width = picture.cols;
   camera.height = picture.rows;
-  if (!ok(camera.validate())) {
+  if (m[1] != 0.0 || m[4] != 0.0 || m[8] != 0.0 || m[9] != 0.0 || m[10] != 1.0) {
     throw InputError(path, line.number,
-                     "expected focal lengths above zero and a principal point inside the image");
+                     "expected a projection matrix fx 0 cx tx, 0 fy cy ty, 0 0 1 tz, row by row");
   }
+  check_camera(camera, path);
   return camera;
 }
 
@@ -83,6 +86,7 @@ std::vector<std::int64_t> read_times(const fs::path& path) {
       throw InputError(path, line.number, "expected times in increasing order");
     }
   }
+  check_frame_times(path, times);
   return times;
 }
 

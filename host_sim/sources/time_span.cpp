@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kLeastShareCovered = 0.1;
 constexpr double kShareCoveredWithoutWarning = 0.99;
+constexpr std::int64_t kSameInstant_us = 20000;
 constexpr std::int64_t kLeastFrameStep_us = 1000;
 constexpr std::int64_t kMostFrameStep_us = 10000000;
 
@@ -48,8 +49,9 @@ std::optional<std::string> check_overlap(const std::filesystem::path& file, cons
                           "unit of its times right? Expected {}",
                           seconds(least_us), seconds(most_us), what, seconds(step), spans));
   }
-  const std::int64_t first = std::max(frames.first_us, given.first_us - step);
-  const std::int64_t last = std::min(frames.last_us, given.last_us + step);
+  const std::int64_t slack = std::max(step, kSameInstant_us);
+  const std::int64_t first = std::max(frames.first_us, given.first_us - slack);
+  const std::int64_t last = std::min(frames.last_us, given.last_us + slack);
   const double share = frames.length_us() > 0 ? static_cast<double>(last - first) /
                                                     static_cast<double>(frames.length_us())
                                               : (last >= first ? 1.0 : 0.0);

@@ -8,6 +8,7 @@
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
+#include "host_sim/sources/time_span.hpp"
 
 namespace cairn::host {
 namespace {
@@ -61,6 +62,16 @@ fs::path inside_folder(const fs::path& file, const fs::path& list, int line) {
   return plain;
 }
 
+void check_truth(const fs::path& path, const std::vector<TimedPose>& truth, const TimeSpan& frames,
+                 SourceInfo& info) {
+  constexpr std::int64_t kLeastStep_us = 100;
+  constexpr std::int64_t kMostStep_us = 10000000;
+  std::vector<std::int64_t> times;
+  for (const TimedPose& pose : truth) times.push_back(pose.t_us);
+  const auto warning = check_overlap(path, "the truth", times, frames, kLeastStep_us, kMostStep_us);
+  if (warning.has_value()) info.warnings.push_back(*warning);
+}
+
 std::optional<Rigid<double>> pose_at(const std::vector<TimedPose>& poses, std::int64_t t_us) {
   const auto after =
       std::lower_bound(poses.begin(), poses.end(), t_us,
@@ -110,6 +121,11 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
     frame.known.true_T_world_camera = pose_at(truth, frame.known.t_us);
     frames.push_back(std::move(frame));
   }
+  if (frames.empty()) throw InputError(list, "expected lines of: time file");
+  std::vector<std::int64_t> frame_times;
+  for (const SequenceFrame& frame : frames) frame_times.push_back(frame.known.t_us);
+  check_frame_times(list, frame_times);
+  check_truth(folder / "groundtruth.txt", truth, {frame_times.front(), frame_times.back()}, info);
   return make_image_sequence(std::move(info), std::move(frames), range, list);
 }
 

@@ -328,6 +328,8 @@ TEST(CameraFile, BrokenAndHostileFilesAreRefusedByLine) {
   EXPECT_TRUE(says(problem("just words\n"), {"cam.yaml", "keys and values"}));
   EXPECT_TRUE(says(problem(""), {"cam.yaml", "keys and values"}));
   EXPECT_TRUE(says(problem(std::string("fx: 1\0", 6)), {"zero byte"}));
+  EXPECT_TRUE(says(problem("K: {\"dat\xFF\": 1}\nimage_width: 640\n"), {"'K'", "expected"}));
+  EXPECT_TRUE(says(problem("1 PINHOLE 640\r480 500 500 320 240\n"), {"cam.yaml:1", "HEIGHT"}));
   std::string deep = "a: ";
   for (int i = 0; i < 40; ++i) deep += "[1,";
   deep += std::string(40, ']');

@@ -80,6 +80,11 @@ TEST(TumRgbd, ReadsListTruthAndCamera) {
   EXPECT_EQ(frame.t_us, 1305031102175300);
   ASSERT_TRUE(frame.true_T_world_camera.has_value());
   EXPECT_EQ(frame.true_T_world_camera->translation.z(), 3.0);
+  folder.write("freiburg1_desk/groundtruth.txt", "5.0 9 9 9 0 0 0 1\n6.0 1 2 3 0 0 0 1\n");
+  EXPECT_TRUE(
+      says(message_of([&] { make_tum_rgbd_source(folder.path() / "freiburg1_desk", {}, {}); }),
+           {"groundtruth.txt", "1305031102.175 s", "5.000 s to 6.000 s"}));
+  folder.write("freiburg1_desk/groundtruth.txt", "1305031102.17 9 9 9 0 0 0 1\n");
   folder.write("freiburg1_desk/rgb.txt", "1305031102.1753\n");
   EXPECT_TRUE(
       says(message_of([&] { make_tum_rgbd_source(folder.path() / "freiburg1_desk", {}, {}); }),

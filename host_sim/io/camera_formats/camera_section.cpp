@@ -152,8 +152,9 @@ void CameraSection::fail(const std::string& key, const std::string& problem) con
 
 std::string CameraSection::shown(const std::string& key) const {
   constexpr std::size_t kLongest = 80;
-  std::string text =
-      (*object_)[key].is_string() ? (*object_)[key].get<std::string>() : (*object_)[key].dump();
+  std::string text = (*object_)[key].is_string()
+                         ? (*object_)[key].get<std::string>()
+                         : (*object_)[key].dump(-1, ' ', false, json::error_handler_t::replace);
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
   return fmt::format("'{}'", text);
 }

@@ -80,6 +80,9 @@ PinholeCamera<double> read_colmap(const fs::path& path) {
   TextLine line;
   lines.next(line);
   const std::vector<std::string_view> fields = split_blanks(line.text);
+  if (fields.size() < 4) {
+    throw InputError(path, line.number, "expected CAMERA_ID MODEL WIDTH HEIGHT PARAMETERS");
+  }
   const auto model = std::find_if(models().begin(), models().end(),
                                   [&](const Model& m) { return m.name == fields[1]; });
   if (model == models().end()) {
