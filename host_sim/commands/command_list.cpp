@@ -4,6 +4,7 @@
 #include "host_sim/commands/merge_command.hpp"
 #include "host_sim/commands/relocalisation_command.hpp"
 #include "host_sim/commands/replay_command.hpp"
+#include "host_sim/commands/robustness_command.hpp"
 #include "host_sim/commands/run_command.hpp"
 #include "host_sim/commands/timing_command.hpp"
 #include "host_sim/commands/turntable_command.hpp"
@@ -19,6 +20,7 @@ void register_commands(CommandContext& context) {
   register_consistency_command(context);
   register_relocalisation_command(context);
   register_merge_command(context);
+  register_robustness_command(context);
   register_timing_command(context);
   register_turntable_command(context);
   register_vision_command(context);

@@ -81,6 +81,15 @@ void add_options(CLI::App& command, RunOptions& options) {
       .add_option("--scale", options.scale,
                   "Scale pictures and calibration by this factor; by default as far as needed")
       ->check(CLI::Range(0.01, 1.0));
+  command
+      .add_option_function<std::string>(
+          "--playback",
+          [&options](const std::string& value) { options.playback.backward = value == "backward"; },
+          "Handheld: play the frames in their order, or from the last to the first")
+      ->check(CLI::IsMember({"forward", "backward"}));
+  command.add_option("--every", options.playback.every, "Play each Nth frame")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   command.add_option("--camera", options.camera, "Camera file of a video source");
   command.add_option("--odometry", options.odometry, "Odometry of a video source (CSV)");
   command.add_option("--times", options.times, "Frame times of a video source (CSV)");

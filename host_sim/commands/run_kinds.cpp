@@ -27,6 +27,8 @@ const Names& picture_options() {
                               "--record",
                               "--overlay",
                               "--scale",
+                              "--playback",
+                              "--every",
                               "--budget-ms",
                               "--start-heading-variance",
                               "--start-position-variance",
@@ -91,8 +93,8 @@ ExitCode dispatch_run(const RunOptions& options) {
       throw UsageError(fmt::format("source '{}': expected {}{}", options.source, kind.name,
                                    kind.argument.empty() ? "" : ":" + kind.argument));
     }
-    if (options.timing.has_value() && !kind.gives_pictures) {
-      throw UsageError(fmt::format("source '{}' gives no pictures to time", options.source));
+    if ((options.timing.has_value() || options.use_source) && !kind.gives_pictures) {
+      throw UsageError(fmt::format("source '{}' gives no pictures", options.source));
     }
     check_options(kind, options.given);
     return kind.run(options, has_rest ? options.source.substr(name.size() + 1) : std::string());

@@ -18,6 +18,7 @@
 #include "host_sim/running/runner.hpp"
 #include "host_sim/sources/data_sets.hpp"
 #include "host_sim/sources/hall_source.hpp"
+#include "host_sim/sources/playback_source.hpp"
 #include "host_sim/sources/scaled_source.hpp"
 #include "host_sim/sources/stress_source.hpp"
 #include "host_sim/sources/video_source.hpp"
@@ -174,9 +175,22 @@ void say_warnings(const SourceInfo& info, std::size_t& said) {
   }
 }
 
+/// The whole source, given to options.use_source.
+ExitCode use_source(FrameSource& source, const RunOptions& options) {
+  std::size_t warnings_said = 0;
+  options.use_source(source);
+  say_warnings(source.info(), warnings_said);
+  return source.info().damaged ? ExitCode::kInputInvalid : ExitCode::kOk;
+}
+
 ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& options) {
-  const std::unique_ptr<FrameSource> fitting = fit_source(std::move(opened), options);
-  FrameSource& source = *fitting;
+  std::unique_ptr<FrameSource> fitting = fit_source(std::move(opened), options);
+  if (options.use_source) return use_source(*fitting, options);
+  if (options.playback.backward && mode_of(options, fitting->info()) == Mode::kVehicle) {
+    throw UsageError("--playback backward: only for --mode handheld");
+  }
+  const std::unique_ptr<FrameSource> played = play_source(std::move(fitting), options.playback);
+  FrameSource& source = *played;
   std::size_t warnings_said = 0;
   say_warnings(source.info(), warnings_said);
   Frame frame;

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "host_sim/base/names.hpp"
 #include "host_sim/options/handheld_options.hpp"
+#include "host_sim/sources/playback_source.hpp"
 
 namespace cairn::host {
 
@@ -48,9 +50,12 @@ struct RunOptions {
   std::filesystem::path odometry;
   std::filesystem::path times;
   std::filesystem::path truth;
-  std::optional<double> scale;          ///< of the pictures; empty: as far as the tracker needs
+  std::optional<double> scale;  ///< of the pictures; empty: as far as the tracker needs
+  Playback playback;
   std::vector<std::string> given;       ///< names of the options on the command line
   std::optional<TimingOptions> timing;  ///< time the frames instead of evaluating the run
+  /// What to do with the opened source instead of tracking it as a whole; empty: track it.
+  std::function<void(FrameSource& source)> use_source;
 };
 
 }  // namespace cairn::host

@@ -48,8 +48,8 @@ std::optional<double> nees_of(const Matrix3<double>& covariance, const Rigid<dou
 
 class Progress {
  public:
-  Progress(std::string name, std::optional<int> total)
-      : name_(std::move(name)), total_(total), shown_(isatty(STDERR_FILENO) != 0) {}
+  Progress(std::string name, std::optional<int> total, bool wanted)
+      : name_(std::move(name)), total_(total), shown_(wanted && isatty(STDERR_FILENO) != 0) {}
   ~Progress() {
     if (shown_) fmt::print(stderr, "\r{:70}\r", "");
   }
@@ -75,7 +75,7 @@ class FrameLoop {
       : source_(source),
         tracker_(tracker),
         settings_(settings),
-        progress_(source.info().name, source.info().frame_count) {
+        progress_(source.info().name, source.info().frame_count, settings.progress) {
     const int expected = source.info().frame_count.value_or(600);
     picture_step_ = std::max(1, expected / std::max(1, settings.pictures));
   }

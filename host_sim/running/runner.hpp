@@ -47,8 +47,9 @@ struct RunRecord {
 struct RunnerSettings {
   std::filesystem::path out;
   bool video = true;
-  bool shaded = false;  ///< objects with shaded faces, hidden by known surfaces, not as wireframes
-  int pictures = 6;     ///< overlay frames kept for the report
+  bool shaded = false;   ///< objects with shaded faces, hidden by known surfaces, not as wireframes
+  int pictures = 6;      ///< overlay frames kept for the report
+  bool progress = true;  ///< shown where standard error is a terminal
 };
 
 /// Drives `tracker` over `first` and the rest of `source`. Writes the overlay video and its

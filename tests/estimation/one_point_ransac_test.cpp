@@ -69,6 +69,38 @@ TEST(OnePointRansac, CandidatesAreDrawnOnceEach) {
   EXPECT_FALSE(result.consensus);
 }
 
+TEST(ThreePointRansac, DrawsDifferentCandidatesAndKeepsTheBest) {
+  Random random(3);
+  OnePointRansacResult<16> best;
+  best.support = 4;
+  int calls = 0;
+  auto evaluate = [&](const int* candidates, bool* inliers) {
+    ++calls;
+    EXPECT_NE(candidates[0], candidates[1]);
+    EXPECT_NE(candidates[0], candidates[2]);
+    EXPECT_NE(candidates[1], candidates[2]);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_GE(candidates[k], 0);
+      EXPECT_LT(candidates[k], 12);
+      inliers[candidates[k]] = true;
+    }
+    return calls == 5 ? 6 : 3;
+  };
+  three_point_ransac<16>(12, {}, 10, random, evaluate, best);
+  EXPECT_EQ(best.triples, calls);
+  EXPECT_EQ(calls, 10);
+  EXPECT_EQ(best.support, 6);
+  EXPECT_TRUE(best.consensus);
+
+  OnePointRansacResult<16> two;
+  three_point_ransac<16>(2, {}, 10, random, evaluate, two);
+  EXPECT_EQ(two.triples, 0);
+  auto all = [](const int*, bool*) { return 12; };
+  OnePointRansacResult<16> sure;
+  three_point_ransac<16>(12, {}, 10, random, all, sure);
+  EXPECT_EQ(sure.triples, 1);
+}
+
 TEST(OnePointRansac, SmallSupportIsNoConsensus) {
   Random random(1);
   Clustered four{4, 4};

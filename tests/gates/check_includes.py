@@ -38,8 +38,8 @@ HOST_BELOW = {
     "replay": "",
     "world": "",
     "render": "",
-    "options": "base",
     "sources": "io world",
+    "options": "base sources",
     "trackers": "base options io replay sources",
     "evaluation": "base sources",
     "running": "base render sources trackers evaluation",
@@ -49,9 +49,11 @@ HOST_BELOW = {
     "experiments/consistency": "base io world evaluation reports",
     "experiments/turntable": "base io world reports",
     "experiments/relocalisation": "base io sources trackers evaluation",
+    "experiments/robustness": "base io sources trackers evaluation running",
     "experiments/vision": "io",
     "commands": "base options io world sources trackers evaluation running reports timing recorded "
-                "experiments/consistency experiments/turntable experiments/relocalisation experiments/vision",
+                "experiments/consistency experiments/turntable experiments/relocalisation "
+                "experiments/robustness experiments/vision",
     "main.cpp": "io options commands",
 }
 

@@ -182,6 +182,74 @@ TYPED_TEST(MonoEkfContract, FollowsATranslatingCamera) {
   EXPECT_GT(cosine, 0.99);
 }
 
+/// A camera at rest rolls by 0.08 rad in one frame. A single match leaves open whether it rolled or
+/// turned sideways.
+TYPED_TEST(MonoEkfContract, ThreeMatchesTellARollThatOneCannot) {
+  using T = TypeParam;
+  using Filter = MonoEkf<TypeParam, 24>;
+  constexpr double kRoll = 0.08;
+  for (const int triples : {0, 16}) {
+    MonoScene scene;
+    Filter filter;
+    Random random(1);
+    MonoParameters<T> parameters;
+    parameters.max_triples = triples;
+    ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), parameters)));
+    scene.add_features(filter, 24);
+    ASSERT_TRUE(ok(filter.predict(T(0.1))));
+    std::vector<PixelMatch<T>> matches = scene.matches(filter);
+    const PinholeCamera<T> camera = MonoScene::camera<T>();
+    const Quaternion<T> roll = rotation_exp(Vector3<T>(T(0), T(0), T(kRoll)));
+    for (PixelMatch<T>& match : matches) {
+      Vector3<T> ray;
+      ASSERT_TRUE(ok(camera.unproject(match.pixel, ray)));
+      ASSERT_TRUE(ok(camera.project(roll.conjugate() * ray, match.pixel)));
+    }
+    UpdateReport report;
+    const int count = static_cast<int>(matches.size());
+    const Status status = filter.update(matches.data(), count, random, report);
+    EXPECT_EQ(report.triples > 0, triples > 0);
+    EXPECT_LE(report.triples, triples);
+    const int inliers = report.low_innovation;
+    if (triples == 0) {
+      EXPECT_LT(2 * inliers, count);
+      continue;
+    }
+    EXPECT_EQ(status, Status::kOk);
+    EXPECT_GT(2 * inliers, count);
+    EXPECT_NEAR(rotation_log(filter.T_world_camera().rotation).z(), kRoll, 0.01);
+  }
+}
+
+TYPED_TEST(MonoEkfContract, RestartsMovingWithItsVelocitiesAndScale) {
+  using T = TypeParam;
+  using Filter = MonoEkf<TypeParam, 24>;
+  MonoScene scene;
+  Filter filter;
+  Random random(1);
+  MonoParameters<T> parameters;
+  parameters.initial_inverse_depth = T(0.6);
+  ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), parameters)));
+  scene.add_features(filter, 24);
+  for (int k = 0; k < 60; ++k) scene.step(filter, random);
+  const Vector3<T> velocity = filter.velocity_mps();
+  const Vector3<T> rate = filter.rate_radps();
+  ASSERT_EQ(filter.restart_moving(filter.T_world_camera()), Status::kOk);
+  EXPECT_EQ(filter.feature_count(), 0);
+  EXPECT_EQ(filter.velocity_mps(), velocity);
+  EXPECT_EQ(filter.rate_radps(), rate);
+  ASSERT_TRUE(ok(filter.add_feature(1000, Vector2<T>(T(181), T(118)))));
+  T inverse_depth = T(0), sigma = T(0);
+  ASSERT_TRUE(ok(filter.feature_inverse_depth(0, inverse_depth, sigma)));
+  EXPECT_NE(inverse_depth, parameters.initial_inverse_depth);
+  EXPECT_NEAR(static_cast<double>(sigma / inverse_depth), 0.5, 1e-3);
+  ASSERT_EQ(filter.restart(Rigid<T>()), Status::kOk);
+  EXPECT_EQ(filter.rate_radps(), Vector3<T>(Vector3<T>::Zero()));
+  ASSERT_TRUE(ok(filter.add_feature(1000, Vector2<T>(T(181), T(118)))));
+  ASSERT_TRUE(ok(filter.feature_inverse_depth(0, inverse_depth, sigma)));
+  EXPECT_NEAR(static_cast<double>(inverse_depth), 0.6, 1e-6);
+}
+
 TYPED_TEST(MonoEkfContract, RemovedAndAddedFeaturesKeepTheirIdentities) {
   using T = TypeParam;
   using Filter = MonoEkf<TypeParam, 24>;

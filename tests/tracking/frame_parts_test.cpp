@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -5,6 +6,7 @@
 
 #include "cairn/tracking/frame_input.hpp"
 #include "cairn/tracking/frame_work.hpp"
+#include "cairn/tracking/motion_noise.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/start_trial.hpp"
 
@@ -119,8 +121,8 @@ class Trial : public ::testing::Test {
     parameters.blocks = 2;
     parameters.block_frames = 3;
     parameters.max_restarts = 1;
-    parameters.calm_frames = 2;
-    trial_.reset(parameters, 5.0F, 6.0F);
+    parameters.max_misfit = 1.3F;
+    trial_.reset(parameters);
   }
   /// Frames with ten matches, of which `inliers` agree with innovations of `nis` together.
   bool frames(int count, int inliers, float nis) {
@@ -151,14 +153,39 @@ TEST_F(Trial, CountsRefusedMatchesWithTheGate) {
   EXPECT_TRUE(frames(3, 8, 16.0F)) << "34 of 26";
 }
 
-TEST_F(Trial, ExpectsCalmMotionAtTheFirstStartAlone) {
-  EXPECT_EQ(trial_.velocity_noise(), StartTrial::Parameters{}.calm_velocity_noise);
-  EXPECT_FALSE(frames(2, 10, 20.0F));
-  EXPECT_EQ(trial_.velocity_noise(), 5.0F);
-  EXPECT_EQ(trial_.rate_noise(), 6.0F);
+TEST_F(Trial, RestartsNoMoreThanItMay) {
   trial_.note_restart();
-  EXPECT_EQ(trial_.rate_noise(), 6.0F);
   EXPECT_FALSE(frames(3, 10, 100.0F)) << "there is no further restart";
+}
+
+TEST(MotionNoiseOfHands, RisesAtOnceWithAChangeAndFallsSlowly) {
+  MotionNoise noise;
+  const MotionNoise::Parameters parameters;
+  noise.reset(parameters);
+  EXPECT_EQ(noise.velocity_noise(), parameters.least_velocity_noise);
+  EXPECT_EQ(noise.rate_noise(), parameters.least_rate_noise);
+  constexpr float kStep_s = 0.04F;
+  noise.note(Vector3<float>::Zero(), Vector3<float>(2, 0, 0), kStep_s);
+  EXPECT_EQ(noise.rate_noise(), parameters.least_rate_noise) << "a first rate is no change";
+  noise.note(Vector3<float>::Zero(), Vector3<float>(2, 0.6F, 0), kStep_s);
+  const float risen = noise.rate_noise();
+  EXPECT_NEAR(risen, 0.6F / std::sqrt(3.0F * kStep_s), 1e-4F);
+  EXPECT_EQ(noise.velocity_noise(), parameters.least_velocity_noise);
+  noise.note(Vector3<float>::Zero(), Vector3<float>(2, 0.6F, 0), kStep_s);
+  EXPECT_NEAR(noise.rate_noise(), risen * std::sqrt(parameters.memory), 1e-4F);
+}
+
+TEST(MotionNoiseOfHands, GrowsWithEveryWeakFrameUpToItsLimit) {
+  MotionNoise noise;
+  const MotionNoise::Parameters parameters;
+  noise.reset(parameters);
+  noise.note_weak();
+  EXPECT_NEAR(noise.rate_noise(), parameters.weak_growth * parameters.least_rate_noise, 1e-5F);
+  for (int k = 0; k < 20; ++k) noise.note_weak();
+  EXPECT_EQ(noise.rate_noise(), parameters.most_rate_noise);
+  EXPECT_EQ(noise.velocity_noise(), parameters.most_velocity_noise);
+  noise.begin();
+  EXPECT_EQ(noise.rate_noise(), parameters.least_rate_noise);
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ struct PixelMatch {
 /// What an update did.
 struct UpdateReport {
   int matches = 0;
-  int hypotheses = 0;       ///< RANSAC hypotheses evaluated
+  int hypotheses = 0;       ///< RANSAC hypotheses of one match evaluated
+  int triples = 0;          ///< and of three matches
   int low_innovation = 0;   ///< inliers of the best hypothesis, first partial update
   int high_innovation = 0;  ///< rescued, second partial update
   int gated = 0;            ///< rejected by the gate
@@ -45,6 +46,7 @@ struct UpdateReport {
 inline void add(const UpdateReport& update, UpdateReport& total) {
   total.matches += update.matches;
   total.hypotheses += update.hypotheses;
+  total.triples += update.triples;
   total.low_innovation += update.low_innovation;
   total.high_innovation += update.high_innovation;
   total.gated += update.gated;

@@ -19,8 +19,9 @@ template <int Capacity>
 struct OnePointRansacResult {
   bool inliers[Capacity] = {};
   int support = 0;
-  int candidate = -1;      ///< of the best hypothesis
-  int hypotheses = 0;      ///< evaluated
+  int candidate = -1;      ///< of the best hypothesis of one measurement
+  int hypotheses = 0;      ///< of one measurement, evaluated
+  int triples = 0;         ///< of three, evaluated
   bool consensus = false;  ///< the support passes both limits
 };
 
@@ -35,6 +36,12 @@ inline int hypotheses_needed(float probability, float inlier_share, int limit) {
   const int whole = static_cast<int>(n);
   const int needed = static_cast<float>(whole) < n ? whole + 1 : whole;
   return needed < 1 ? 1 : needed;
+}
+
+/// Whether `support` of `count` candidates passes both limits.
+inline bool is_consensus(int support, int count, const OnePointRansacParameters& parameters) {
+  return support >= parameters.min_support &&
+         static_cast<float>(support) >= parameters.min_support_fraction * static_cast<float>(count);
 }
 
 /// 1-point RANSAC: the filter's prior replaces all but one measurement of a minimal set. Draws
@@ -68,10 +75,39 @@ OnePointRansacResult<Capacity> one_point_ransac(int count,
     const float share = static_cast<float>(support) / static_cast<float>(count);
     needed = hypotheses_needed(parameters.probability, share, needed);
   }
-  best.consensus = best.support >= parameters.min_support &&
-                   static_cast<float>(best.support) >=
-                       parameters.min_support_fraction * static_cast<float>(count);
+  best.consensus = is_consensus(best.support, count, parameters);
   return best;
+}
+
+/// Hypotheses of three measurements, after one_point_ransac() gave `best`: one measurement leaves
+/// a part of the motion to the prior, which does not suffice at a start or in a surprising motion.
+/// `evaluate(candidates, inliers)` forms the hypothesis of three different candidates, marks its
+/// inliers and returns their number. `best` becomes the best of all. Domain: 0 <= count <=
+/// Capacity. Cost: at most max_triples calls of `evaluate`; none for fewer than three candidates.
+template <int Capacity, class Evaluate>
+void three_point_ransac(int count, const OnePointRansacParameters& parameters, int max_triples,
+                        Random& random, Evaluate&& evaluate, OnePointRansacResult<Capacity>& best) {
+  if (count < 3) return;
+  int needed = max_triples;
+  for (int k = 0; k < needed; ++k) {
+    int candidates[3];
+    candidates[0] = random.below(count);
+    candidates[1] = (candidates[0] + 1 + random.below(count - 1)) % count;
+    const int low = candidates[0] < candidates[1] ? candidates[0] : candidates[1];
+    const int high = candidates[0] < candidates[1] ? candidates[1] : candidates[0];
+    candidates[2] = random.below(count - 2);
+    if (candidates[2] >= low) ++candidates[2];
+    if (candidates[2] >= high) ++candidates[2];
+    bool inliers[Capacity] = {};
+    const int support = evaluate(candidates, inliers);
+    ++best.triples;
+    if (support <= best.support) continue;
+    best.support = support;
+    for (int i = 0; i < count; ++i) best.inliers[i] = inliers[i];
+    const float share = static_cast<float>(support) / static_cast<float>(count);
+    needed = hypotheses_needed(parameters.probability, share * share * share, needed);
+  }
+  best.consensus = is_consensus(best.support, count, parameters);
 }
 
 }  // namespace cairn

@@ -77,6 +77,10 @@ class MonoEkf {
   /// whose position follows from the lever; kNonFiniteInput (also for a quaternion far from length
   /// 1). On an error the filter is unchanged.
   Status restart(const Rigid<T>& T_world_camera);
+  /// The same for a camera that goes on moving: with the estimated velocities, and with the map's
+  /// typical inverse depth (Parameters::depth_from_map says how it is found) as that of the first
+  /// new features, so that the scale stays nearly the same.
+  Status restart_moving(const Rigid<T>& T_world_camera);
 
   /// Moves the state on by `dt_s` seconds and fades the memory: x <- f(x), P <- S F P F' + Q (paper
   /// B, eq. 31). kNotInitialised, kDuplicate (dt = 0), kTimeBackwards, kTimeGap (beyond
@@ -111,7 +115,7 @@ class MonoEkf {
   /// kNoConsensus: too little support (also for count = 0), kInvalidArgument (count, slots that are
   /// repeated or do not belong to the id), kNonFiniteInput. On each of these the estimate is
   /// unchanged to the bit. Cost: about n_s^2 multiply-adds per inlier, n_s = state_size(), and at
-  /// most Parameters::ransac.max_hypotheses * count projections.
+  /// most (Parameters::ransac.max_hypotheses + max_triples) * count projections.
   Status update(PixelMatch<T>* matches, int count, Random& random, UpdateReport& report);
 
   /// New feature at `pixel` of the present frame, with the inverse depth of the map or of the
@@ -224,6 +228,10 @@ class MonoEkf {
   void count_visibility();
   int evaluate_hypothesis(const PixelMatch<T>* matches, int count, int candidate,
                           bool* inliers) const;
+  int evaluate_triple(const PixelMatch<T>* matches, int count, const int* candidates,
+                      bool* inliers);
+  int support_of(T* x, const PixelMatch<T>* matches, int count, bool* inliers) const;
+  bool fuse(const PixelMatch<T>& match, int pairs, T* delta, T& nis);
   void adapt_memory(const PixelMatch<T>* matches, int count, const bool* use);
   int apply(PixelMatch<T>* matches, int count, const bool* use, UpdateReport& report);
   void correct_state(const T* delta);
@@ -257,6 +265,8 @@ class MonoEkf {
   int next_conversion_ = 0;
   T innovation_memory_ = T(-1);  ///< strong tracking's V, px^2 per coordinate; negative: none yet
   T last_fading_factor_ = T(1);
+  T first_inverse_depth_ = T(1);  ///< of features while the map knows no better, and its deviation
+  T first_inverse_depth_sigma_ = T(1);
   bool initialised_ = false;
   Health health_;
 };

@@ -66,6 +66,10 @@ struct MonoParameters {
   bool share_anchors = true;
 
   OnePointRansacParameters ransac;
+  /// Most hypotheses of three matches, drawn where those of one match convince a smaller share of
+  /// the matches than `enough_support`. 0: none, as published.
+  int max_triples = 0;
+  T enough_support = T(0.6);
   T support_gate = T(kChi2Dof2Level95);  ///< of |z - h|^2 / sigma_px^2, low innovation
   T rescue_gate = T(kChi2Dof2Level99);   ///< of nu' S^-1 nu, high innovation
 
@@ -91,10 +95,11 @@ struct MonoParameters {
     for (int i = 0; i < 3; ++i) {
       if (!is_finite(lever_m(i))) return Status::kBadConfig;
     }
-    const bool good =
-        fading_factor >= T(1) && adaptive_max_factor >= T(1) && adaptive_memory < T(1) &&
-        focal_sigma < T(0.5) && ransac.max_hypotheses >= 1 && ransac.min_support >= 1 &&
-        ransac.probability > 0.0F && ransac.probability < 1.0F && max_conversions_per_update >= 0;
+    const bool good = fading_factor >= T(1) && adaptive_max_factor >= T(1) &&
+                      adaptive_memory < T(1) && focal_sigma < T(0.5) &&
+                      ransac.max_hypotheses >= 1 && ransac.min_support >= 1 &&
+                      ransac.probability > 0.0F && ransac.probability < 1.0F &&
+                      max_conversions_per_update >= 0 && max_triples >= 0 && enough_support >= T(0);
     return good ? Status::kOk : Status::kBadConfig;
   }
 };

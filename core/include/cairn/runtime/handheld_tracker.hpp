@@ -7,6 +7,7 @@
 #include "cairn/tracking/frame_input.hpp"
 #include "cairn/tracking/handheld_local_map.hpp"
 #include "cairn/tracking/handheld_map_reuse.hpp"
+#include "cairn/tracking/motion_noise.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/start_trial.hpp"
 
@@ -46,6 +47,7 @@ class HandheldTracker {
     Parameters() {
       measurement.search.method = SearchMethod::kPatch;
       filter.sigma_px = 0.7F;
+      filter.max_triples = 16;
       monitor.min_inliers = 6;
       monitor.uncertain_frames_to_lost = 10;
       monitor.min_match_ratio = 0.0F;
@@ -56,6 +58,7 @@ class HandheldTracker {
     TrackingMonitor::Parameters monitor;
     typename LocalMap::Parameters local_map;
     StartTrial::Parameters start;
+    MotionNoise::Parameters motion;  ///< in place of the filter's own noises
     typename MapReuse::Parameters map_reuse;
     int work_limit = 12000;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
@@ -100,6 +103,7 @@ class HandheldTracker {
 
   Status track(Frame& frame, std::int64_t step_us, StageTimer& timer);
   Status predict(std::int64_t step_us);
+  void note_motion(std::int64_t step_us);
   void measure(Frame& frame, SearchPass pass);
   Status update(Frame& frame, int first, Status status);
   void measure_rest(Frame& frame);
@@ -116,6 +120,7 @@ class HandheldTracker {
   TrackingMonitor monitor_;
   LocalMap local_map_;
   StartTrial start_;
+  MotionNoise motion_;
   MapReuse map_reuse_;
   FrameInput input_;
   FrameWork work_;
@@ -136,7 +141,8 @@ Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
   measurement_.reset(parameters.measurement);
   monitor_.reset(parameters.monitor);
   local_map_.reset(parameters.local_map);
-  start_.reset(parameters.start, parameters.filter.velocity_noise, parameters.filter.rate_noise);
+  start_.reset(parameters.start);
+  motion_.reset(parameters.motion);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search);
   input_.reset();
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
@@ -189,6 +195,7 @@ Status HandheldTracker<Config>::track(Frame& frame, std::int64_t step_us, StageT
   status = update(frame, 0, status);
   measure_rest(frame);
   status = monitor_.judge(measurement_.counts(), status, health_);
+  note_motion(step_us);
   keep_map(frame);
   frame.report.state = state();
   if (start_failed()) {
@@ -209,10 +216,20 @@ Status HandheldTracker<Config>::predict(std::int64_t step_us) {
     status = Status::kTimeGap;
   }
   Filter& filter = estimate_.filter();
-  const Status set = filter.set_motion_noise(start_.velocity_noise(), start_.rate_noise());
+  const Status set = filter.set_motion_noise(motion_.velocity_noise(), motion_.rate_noise());
   if (!ok(set)) return set;
   const Status predicted = filter.predict(static_cast<float>(step_us) * 1e-6F);
   return ok(predicted) ? status : predicted;
+}
+
+template <class Config>
+void HandheldTracker<Config>::note_motion(std::int64_t step_us) {
+  if (monitor_.weak_frames() > 0) {
+    if (measurement_.counts().could_search) motion_.note_weak();
+  } else if (monitor_.holds(measurement_.counts())) {
+    motion_.note(filter().velocity_mps(), filter().rate_radps(),
+                 static_cast<float>(step_us) * 1e-6F);
+  }
 }
 
 /// Where the frame's work does not suffice for all windows (after a fast movement), the best known
@@ -286,7 +303,7 @@ void HandheldTracker<Config>::keep_map(Frame& frame) {
 template <class Config>
 bool HandheldTracker<Config>::start_failed() {
   if (!start_.fails(measurement_.counts(), filter().parameters().rescue_gate)) return false;
-  if (!ok(estimate_.restart(estimate_.T_world_camera()))) return false;
+  if (!ok(estimate_.restart_moving(estimate_.T_world_camera()))) return false;
   start_.note_restart();
   monitor_.restart();
   ++health_.losses;
@@ -305,6 +322,7 @@ Status HandheldTracker<Config>::relocalise(Frame& frame) {
   PixelUpdate restarted;
   restarted.inliers = estimate_.size();
   measurement_.replace(matches, restarted);
+  motion_.begin();
   monitor_.begin_probation();
   frame.report.state = state();
   frame.report.relocalised = true;
@@ -321,6 +339,7 @@ void HandheldTracker<Config>::begin_anew(Frame& frame) {
   if (local_map_.add_features(frame, estimate_) == 0) return;
   monitor_.restart();
   start_.begin();
+  motion_.begin();
 }
 
 template <class Config>

@@ -31,6 +31,13 @@ class HandheldEstimate {
     return status;
   }
 
+  /// The same for a camera that goes on moving. Errors: as MonoEkf::restart_moving().
+  Status restart_moving(const Rigid<float>& T_world_camera) {
+    const Status status = filter_.restart_moving(T_world_camera);
+    if (ok(status)) landmarks_.clear();
+    return status;
+  }
+
   const Filter& filter() const { return filter_; }
   Filter& filter() { return filter_; }
   const Landmarks& landmarks() const { return landmarks_; }
@@ -53,7 +60,8 @@ class HandheldEstimate {
   int update_work(int matches) const {
     const int most = filter_.parameters().ransac.max_hypotheses;
     return work::mono_update(filter_.state_size(), filter_.feature_count(), matches,
-                             matches < most ? matches : most, matches);
+                             matches < most ? matches : most, matches) +
+           work::mono_triples(filter_.state_size(), matches, filter_.parameters().max_triples);
   }
 
   /// Updates the filter with the matches from `first` on that the frame can pay for; the last ones
@@ -97,7 +105,8 @@ PixelUpdate HandheldEstimate<MaxFeatures>::update(FrameContext& frame, Matches& 
   const int count = usable ? matches.size() - first : 0;
   result.status = filter_.update(matches.data() + first, count, frame.random, result.report);
   frame.work.spend(work::mono_update(filter_.state_size(), filter_.feature_count(), count,
-                                     result.report.hypotheses, result.report.nis_dof / 2));
+                                     result.report.hypotheses, result.report.nis_dof / 2) +
+                   work::mono_triples(filter_.state_size(), count, result.report.triples));
   for (int i = first; i < first + count; ++i) {
     result.inliers += ok(result.status) && matches[i].inlier ? 1 : 0;
   }

@@ -12,21 +12,14 @@ class StartTrial {
   struct Parameters {
     int blocks = 5;  ///< of frames, that a start is on trial
     int block_frames = 15;
-    float max_misfit = 1.3F;  ///< squared innovations of a block, relative to their covariance
+    float max_misfit = 2.0F;  ///< squared innovations of a block, relative to their covariance
     int max_restarts = 5;
-    /// Motion noise over the first frames of the first start: a filter that expects fast motion
-    /// settles more often in the mirrored solution.
-    int calm_frames = 30;
-    float calm_velocity_noise = 0.14F;
-    float calm_rate_noise = 0.35F;
   };
 
-  /// Starts anew. The noises are those of motion after a calm start.
-  void reset(const Parameters& parameters, float velocity_noise, float rate_noise) {
+  /// Starts anew.
+  void reset(const Parameters& parameters) {
     *this = StartTrial();
     parameters_ = parameters;
-    velocity_noise_ = velocity_noise;
-    rate_noise_ = rate_noise;
   }
 
   /// The map begins anew, and with it the trial.
@@ -37,11 +30,6 @@ class StartTrial {
   /// The map is known: no trial.
   void pass() { frames_ = parameters_.blocks * parameters_.block_frames; }
   bool over() const { return frames_ >= parameters_.blocks * parameters_.block_frames; }
-  /// Motion noise of the next prediction.
-  float velocity_noise() const {
-    return calm() ? parameters_.calm_velocity_noise : velocity_noise_;
-  }
-  float rate_noise() const { return calm() ? parameters_.calm_rate_noise : rate_noise_; }
 
   /// Takes a frame's matches, 2 degrees of freedom each. A match that was refused counts with the
   /// `gate`, so that refusing matches does not hide a misfit. True at the end of a block whose
@@ -62,11 +50,7 @@ class StartTrial {
   }
 
  private:
-  bool calm() const { return restarts_ == 0 && frames_ < parameters_.calm_frames; }
-
   Parameters parameters_;
-  float velocity_noise_ = 0.0F;
-  float rate_noise_ = 0.0F;
   int frames_ = 0;
   int restarts_ = 0;
   float misfit_ = 0.0F;  ///< of this block

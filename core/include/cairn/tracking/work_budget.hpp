@@ -81,6 +81,11 @@ inline constexpr int mono_update(int states, int features, int matches, int hypo
   return look + tried + gains + passes * (states * states / 110);
 }
 
+/// Hypotheses of three matches in MonoEkf::update(), beside mono_update().
+inline constexpr int mono_triples(int states, int matches, int triples) {
+  return triples * (21 + 3 * (states / 7) + matches / 2);
+}
+
 }  // namespace work
 
 }  // namespace cairn

@@ -14,8 +14,8 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::find(LandmarkId id) const {
 
 template <class T, int MaxFeatures, int MaxAnchors>
 Status MonoEkf<T, MaxFeatures, MaxAnchors>::add_feature(LandmarkId id, const Vector2<T>& pixel) {
-  T inverse_depth = parameters_.initial_inverse_depth;
-  T sigma = parameters_.initial_inverse_depth_sigma;
+  T inverse_depth = first_inverse_depth_;
+  T sigma = first_inverse_depth_sigma_;
   if (parameters_.depth_from_map) expected_inverse_depth(inverse_depth, sigma);
   return add_feature(id, pixel, inverse_depth, sigma);
 }

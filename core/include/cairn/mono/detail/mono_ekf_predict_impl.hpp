@@ -48,6 +48,8 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::initialise(const PinholeCamera<T>& c
   next_conversion_ = 0;
   innovation_memory_ = T(-1);
   last_fading_factor_ = T(1);
+  first_inverse_depth_ = parameters.initial_inverse_depth;
+  first_inverse_depth_sigma_ = parameters.initial_inverse_depth_sigma;
   health_ = Health{};
   for (int i = 0; i < kMaxStates; ++i) x_[i] = T(0);
   x_[layout_.quaternion] = T(1);
@@ -95,6 +97,24 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::restart(const Rigid<T>& T_world_came
   if (layout_.position >= 0) {
     for (int i = 0; i < 3; ++i) x_[layout_.position + i] = r(i);
   }
+  return Status::kOk;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::restart_moving(const Rigid<T>& T_world_camera) {
+  const Vector3<T> velocity = velocity_mps();
+  const Vector3<T> rate = rate_radps();
+  T inverse_depth = first_inverse_depth_;
+  T sigma = first_inverse_depth_sigma_;
+  expected_inverse_depth(inverse_depth, sigma);
+  const Status status = restart(T_world_camera);
+  if (!ok(status)) return status;
+  for (int i = 0; i < 3; ++i) {
+    if (layout_.velocity >= 0) x_[layout_.velocity + i] = velocity(i);
+    x_[layout_.rate + i] = rate(i);
+  }
+  first_inverse_depth_ = inverse_depth;
+  first_inverse_depth_sigma_ = sigma;
   return Status::kOk;
 }
 

@@ -62,12 +62,33 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_hypothesis(const PixelMatch<T>
   const T g1 = ib * nu.x() + ic * nu.y();
   T x[kMaxStates];
   for (int i = 0; i < covariance_.size(); ++i) x[i] = x_[i] + (gain[0][i] * g0 + gain[1][i] * g1);
+  return support_of(x, matches, count, inliers);
+}
+
+/// The same of three matches, one after the other on the parts of P that are left.
+template <class T, int MaxFeatures, int MaxAnchors>
+int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_triple(const PixelMatch<T>* matches, int count,
+                                                         const int* candidates, bool* inliers) {
+  static_assert(kPendingPairs >= 3, "the scratch holds three gains");
+  T x[kMaxStates] = {};
+  for (int k = 0; k < 3; ++k) {
+    T nis = T(0);
+    if (!fuse(matches[candidates[k]], k, x, nis)) return 0;
+  }
+  for (int i = 0; i < covariance_.size(); ++i) x[i] += x_[i];
+  return support_of(x, matches, count, inliers);
+}
+
+/// Normalises the quaternion of x, and marks and counts the matches that fit the state x.
+template <class T, int MaxFeatures, int MaxAnchors>
+int MonoEkf<T, MaxFeatures, MaxAnchors>::support_of(T* x, const PixelMatch<T>* matches, int count,
+                                                    bool* inliers) const {
   const Vector<T, 4> q = quaternion_at(x);
   const T norm = sqrt(q.dot(q));
   if (!(norm > T(0.1))) return 0;
   for (int i = 0; i < 4; ++i) x[layout_.quaternion + i] /= norm;
 
-  const T limit = parameters_.support_gate * variance;
+  const T limit = parameters_.support_gate * square(parameters_.sigma_px);
   int support = 0;
   for (int j = 0; j < count; ++j) {
     Vector2<T> expected;
@@ -114,6 +135,45 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::adapt_memory(const PixelMatch<T>* matc
   fade(factor, true);
 }
 
+/// One match of an update, linearised at x: adds its correction to `delta` and leaves its whitened
+/// gain in row 2 * pairs of the scratch, whose rows before are still to be subtracted from P.
+/// False, with nothing added, where it cannot be projected or S is not positive definite.
+template <class T, int MaxFeatures, int MaxAnchors>
+bool MonoEkf<T, MaxFeatures, MaxAnchors>::fuse(const PixelMatch<T>& match, int pairs, T* delta,
+                                               T& nis) {
+  const T variance = square(parameters_.sigma_px);
+  const int n = covariance_.size();
+  Vector2<T> pixel;
+  Rows2 rows;
+  if (!ok(linearise(match.slot, pixel, rows))) return false;
+  T(*const gain)[kMaxStates] = scratch_ + 2 * pairs;
+  mono::multiply(rows, covariance_, gain);
+  for (int k = 0; k < pairs; ++k) mono::subtract_pending(rows, scratch_ + 2 * k, n, gain);
+  const T nu0 = match.pixel.x() - pixel.x() - rows.dot(0, delta);
+  const T nu1 = match.pixel.y() - pixel.y() - rows.dot(1, delta);
+  const T s00 = rows.dot(0, gain[0]) + variance;
+  const T s10 = rows.dot(1, gain[0]);
+  const T s11 = rows.dot(1, gain[1]) + variance;
+  T ia = T(0), ib = T(0), ic = T(0);
+  if (!invert_spd2(s00, s10, s11, ia, ib, ic)) {
+    ++health_.innovations_singular;
+    return false;
+  }
+  // gain <- L^-1 gain with S = L L^T, so that K nu = gain^T (L^-1 nu).
+  const T l00 = T(1) / sqrt(s00);
+  const T l10 = s10 * l00;
+  const T l11 = T(1) / sqrt(s11 - l10 * l10);
+  const T g0 = nu0 * l00;
+  const T g1 = (nu1 - l10 * g0) * l11;
+  for (int i = 0; i < n; ++i) {
+    gain[0][i] *= l00;
+    gain[1][i] = (gain[1][i] - l10 * gain[0][i]) * l11;
+    delta[i] += gain[0][i] * g0 + gain[1][i] * g1;
+  }
+  nis = g0 * g0 + g1 * g1;
+  return true;
+}
+
 /// Update with the chosen matches, all linearised at the same x: equal to the batch update with H
 /// stacked. One match after the other, with the innovation corrected by H dx and the gain by the
 /// part of P that is still to be subtracted, which happens for kPendingPairs matches at once.
@@ -122,40 +182,13 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::adapt_memory(const PixelMatch<T>* matc
 template <class T, int MaxFeatures, int MaxAnchors>
 int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count, const bool* use,
                                                UpdateReport& report) {
-  const T variance = square(parameters_.sigma_px);
-  const int n = covariance_.size();
   T delta[kMaxStates] = {};
   int pairs = 0;
   int used = 0;
   for (int m = 0; m < count; ++m) {
-    Vector2<T> pixel;
-    Rows2 rows;
-    if (!use[m] || !ok(linearise(matches[m].slot, pixel, rows))) continue;
-    T(*const gain)[kMaxStates] = scratch_ + 2 * pairs;
-    mono::multiply(rows, covariance_, gain);
-    for (int k = 0; k < pairs; ++k) mono::subtract_pending(rows, scratch_ + 2 * k, n, gain);
-    const T nu0 = matches[m].pixel.x() - pixel.x() - rows.dot(0, delta);
-    const T nu1 = matches[m].pixel.y() - pixel.y() - rows.dot(1, delta);
-    const T s00 = rows.dot(0, gain[0]) + variance;
-    const T s10 = rows.dot(1, gain[0]);
-    const T s11 = rows.dot(1, gain[1]) + variance;
-    T ia = T(0), ib = T(0), ic = T(0);
-    if (!invert_spd2(s00, s10, s11, ia, ib, ic)) {
-      ++health_.innovations_singular;
-      continue;
-    }
-    // gain <- L^-1 gain with S = L L^T, so that K nu = gain^T (L^-1 nu).
-    const T l00 = T(1) / sqrt(s00);
-    const T l10 = s10 * l00;
-    const T l11 = T(1) / sqrt(s11 - l10 * l10);
-    const T g0 = nu0 * l00;
-    const T g1 = (nu1 - l10 * g0) * l11;
-    for (int i = 0; i < n; ++i) {
-      gain[0][i] *= l00;
-      gain[1][i] = (gain[1][i] - l10 * gain[0][i]) * l11;
-      delta[i] += gain[0][i] * g0 + gain[1][i] * g1;
-    }
-    report.nis += static_cast<float>(g0 * g0 + g1 * g1);
+    T nis = T(0);
+    if (!use[m] || !fuse(matches[m], pairs, delta, nis)) continue;
+    report.nis += static_cast<float>(nis);
     report.nis_dof += 2;
     matches[m].inlier = true;
     ++used;
@@ -232,9 +265,17 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int c
   const auto evaluate = [&](int candidate, bool* inliers) {
     return evaluate_hypothesis(matches, count, candidate, inliers);
   };
-  const OnePointRansacResult<MaxFeatures> best =
+  OnePointRansacResult<MaxFeatures> best =
       one_point_ransac<MaxFeatures>(count, parameters_.ransac, random, evaluate);
+  if (static_cast<T>(best.support) < parameters_.enough_support * static_cast<T>(count)) {
+    const auto evaluate_three = [&](const int* candidates, bool* inliers) {
+      return evaluate_triple(matches, count, candidates, inliers);
+    };
+    three_point_ransac(count, parameters_.ransac, parameters_.max_triples, random, evaluate_three,
+                       best);
+  }
   report.hypotheses = best.hypotheses;
+  report.triples = best.triples;
   if (!best.consensus) {
     if (count > 0) ++health_.ransac_no_consensus;
     return Status::kNoConsensus;

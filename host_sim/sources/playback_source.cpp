@@ -1,0 +1,120 @@
+#include "host_sim/sources/playback_source.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace cairn::host {
+namespace {
+
+class MemorySource final : public FrameSource {
+ public:
+  MemorySource(SourceInfo info, std::vector<Frame> frames)
+      : info_(std::move(info)), frames_(std::move(frames)) {
+    info_.frame_count = static_cast<int>(frames_.size());
+  }
+
+  const SourceInfo& info() const override { return info_; }
+
+  bool next(Frame& frame) override {
+    if (position_ == frames_.size()) return false;
+    frame = frames_[position_++];
+    return true;
+  }
+
+ private:
+  SourceInfo info_;
+  std::vector<Frame> frames_;
+  std::size_t position_ = 0;
+};
+
+void describe(const Playback& playback, SourceInfo& info) {
+  info.note += fmt::format("{}played {}, every {} frame(s)", info.note.empty() ? "" : "; ",
+                           playback.backward ? "backward" : "forward", playback.every);
+  info.frame_rate_hz /= playback.every;
+  if (info.frame_count)
+    info.frame_count = (*info.frame_count + playback.every - 1) / playback.every;
+  if (playback.backward || playback.every > 1) info.lap_frames.reset();
+}
+
+/// Each `every`th frame of a source, in its order.
+class ThinnedSource final : public FrameSource {
+ public:
+  ThinnedSource(std::unique_ptr<FrameSource> source, const Playback& playback)
+      : source_(std::move(source)), every_(playback.every), info_(source_->info()) {
+    describe(playback, info_);
+  }
+
+  const SourceInfo& info() const override { return info_; }
+
+  bool next(Frame& frame) override {
+    const bool more = find_next(frame);
+    info_.warnings = source_->info().warnings;
+    info_.damaged = source_->info().damaged;
+    return more;
+  }
+
+ private:
+  bool find_next(Frame& frame) {
+    std::vector<OdometrySample> odometry;
+    const int skipped = begun_ ? every_ - 1 : 0;
+    begun_ = true;
+    for (int i = 0; i <= skipped; ++i) {
+      if (!source_->next(frame)) return false;
+      odometry.insert(odometry.end(), frame.odometry.begin(), frame.odometry.end());
+    }
+    frame.odometry = std::move(odometry);
+    return true;
+  }
+
+  std::unique_ptr<FrameSource> source_;
+  int every_;
+  SourceInfo info_;
+  bool begun_ = false;
+};
+
+}  // namespace
+
+std::vector<Frame> play(const std::vector<Frame>& frames, const Playback& playback) {
+  std::vector<Frame> played;
+  std::vector<OdometrySample> odometry;
+  const std::size_t count = frames.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const Frame& frame = frames[playback.backward ? count - 1 - i : i];
+    odometry.insert(odometry.end(), frame.odometry.begin(), frame.odometry.end());
+    if (i % static_cast<std::size_t>(playback.every) != 0) continue;
+    played.push_back(frame);
+    played.back().odometry = std::exchange(odometry, {});
+    if (!playback.backward) continue;
+    played.back().odometry.clear();
+    played.back().t_us = frames.front().t_us + (frames.back().t_us - frame.t_us);
+  }
+  return played;
+}
+
+std::vector<Frame> read_frames(FrameSource& source) {
+  std::vector<Frame> frames;
+  Frame frame;
+  while (source.next(frame)) {
+    frames.push_back(frame);
+    frame.grey = cv::Mat();
+  }
+  return frames;
+}
+
+std::unique_ptr<FrameSource> make_memory_source(SourceInfo info, std::vector<Frame> frames) {
+  return std::make_unique<MemorySource>(std::move(info), std::move(frames));
+}
+
+std::unique_ptr<FrameSource> play_source(std::unique_ptr<FrameSource> source,
+                                         const Playback& playback) {
+  if (playback.is_plain()) return source;
+  if (!playback.backward) return std::make_unique<ThinnedSource>(std::move(source), playback);
+  std::vector<Frame> frames = play(read_frames(*source), playback);
+  SourceInfo info = source->info();
+  describe(playback, info);
+  return make_memory_source(std::move(info), std::move(frames));
+}
+
+}  // namespace cairn::host
