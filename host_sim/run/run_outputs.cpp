@@ -297,7 +297,12 @@ void write_json(const std::filesystem::path& path, const json& value) {
 json to_json(const Health& h) {
   return {{"non_finite_inputs", h.non_finite_inputs},
           {"time_errors", h.time_errors},
+          {"images_refused", h.images_refused},
           {"frame_gaps", h.frame_gaps},
+          {"odometry_refused", h.odometry_refused},
+          {"odometry_glitches", h.odometry_glitches},
+          {"odometry_timeouts", h.odometry_timeouts},
+          {"repeated_images", h.repeated_images},
           {"innovations_used", h.innovations_used},
           {"innovations_gated", h.innovations_gated},
           {"innovations_singular", h.innovations_singular},

@@ -39,10 +39,10 @@ void OdometryIntegrator::begin_at(std::int64_t t_us) {
   if (begun_) return;
   begun_ = true;
   const std::int64_t since_us = difference_us(t_us, time_us_);
-  if (since_us < -max_step_us_ || since_us > max_step_us_) restart_clock(t_us);
+  if (since_us < -max_step_us_ || since_us > max_step_us_) count_from(t_us);
 }
 
-void OdometryIntegrator::restart_clock(std::int64_t t_us) {
+void OdometryIntegrator::count_from(std::int64_t t_us) {
   time_us_ = t_us;
   motion_.t_us = t_us;
   corrected_us_ = t_us;

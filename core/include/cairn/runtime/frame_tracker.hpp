@@ -72,7 +72,7 @@ class FrameTracker {
     typename MapReuse::Parameters map_reuse;
     int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
-    std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
+    std::int64_t max_step_us = 1000000;  ///< longer without odometry: the motion is unknown
     std::uint64_t seed = 1;
   };
 
@@ -87,15 +87,16 @@ class FrameTracker {
   Status initialise(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
                     const Start& start, const Parameters& parameters);
 
-  /// Integrates odometry up to the sample's time. kTimeBackwards, kNonFiniteInput: sample refused.
-  /// kTimeGap: time moved on, motion over the gap not integrated.
-  Status add_odometry(const OdometrySample& sample) {
-    if (!input_.initialised()) return Status::kNotInitialised;
-    return odometry_.add(sample, estimate_.filter(), health_);
-  }
+  /// Integrates odometry up to the sample's time. Refused and counted, the pose unchanged:
+  /// kNonFiniteInput, kInvalidArgument, kTimeBackwards, and kTimeGap for a stamp that InputClock
+  /// does not believe. Taken: kGated and kTimeGap as OdometryIntegrator::add().
+  Status add_odometry(const OdometrySample& sample);
 
   /// Tracks one frame; odometry up to its time should have been added, the rest is extrapolated.
-  /// kInvalidArgument (wrong size), kDuplicate, kTimeBackwards: frame refused.
+  /// Refused and counted, `report` untouched: kInvalidArgument (wrong size), kDuplicate,
+  /// kTimeBackwards, and kTimeGap for a stamp that InputClock does not believe. Tracked:
+  /// report.status is kTimeGap where frames or odometry were missing for longer than the largest
+  /// step; the pose is then as uncertain as that leaves it.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks, Map& map,
                        FrameReport& report);
 
@@ -131,11 +132,13 @@ class FrameTracker {
   using Frame = VehicleFrame<Config>;
 
   void begin(const ImageView& image);
+  void restart_clock(std::int64_t t_us);
   Status predict(std::int64_t t_us);
   void measure(Frame& frame);
   Status update(Frame& frame, Status status);
   Status keep_map(Frame& frame, Status status);
   Status relocalise(Frame& frame, const Library& library, Status status);
+  void note_correction(const PlanarPose<float>& predicted);
   void note_matches(Frame& frame, const typename Measurement::Matches& matches);
   void note_inlier(Frame& frame, const PixelMatch<float>& match);
   void report(Status status, FrameReport& report);
@@ -149,6 +152,7 @@ class FrameTracker {
   MapReuse map_reuse_;
   OdometryIntegrator odometry_;
   FrameInput input_;
+  InputClock clock_;
   FrameWork work_;
   Random random_;
   Health health_;
@@ -170,7 +174,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   local_map_.reset(parameters.local_map, parameters.measurement.search);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search, start.covariance);
   odometry_.reset(parameters.odometry, parameters.max_step_us, start.t_us);
-  input_.reset();
+  input_.reset(parameters.max_step_us);
+  clock_.reset(parameters.max_step_us);
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
   health_ = Health{};
@@ -178,19 +183,38 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
 }
 
 template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::add_odometry(const OdometrySample& sample) {
+  if (!input_.initialised()) return Status::kNotInitialised;
+  const Status believed = clock_.take(InputClock::Source::kOdometry, sample.t_us);
+  if (!ok(believed)) {
+    ++health_.time_errors;
+    return believed;
+  }
+  if (clock_.was_set_back()) restart_clock(sample.t_us);
+  return odometry_.add(sample, estimate_.filter(), health_);
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::restart_clock(std::int64_t t_us) {
+  static_cast<void>(odometry_.restart_clock(t_us, estimate_.filter()));
+  input_.restart_clock();
+}
+
+template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::int64_t t_us,
                                                    const TickSource& ticks, Map& map,
                                                    FrameReport& report) {
-  const Status accepted = input_.check(image, camera(), t_us, health_);
+  const Status accepted = input_.check(image, camera(), t_us, clock_, health_);
   if (!ok(accepted)) return accepted;
+  if (clock_.was_set_back()) restart_clock(t_us);
   report = FrameReport{};
   report.t_us = t_us;
   Frame frame({image, camera(), work_, random_, report, health_}, map, scratch_);
   StageTimer timer(ticks, report);
-  begin(image);
-  timer.end(Stage::kPreprocess);
   Status status = predict(t_us);
   timer.end(Stage::kPosePrediction);
+  begin(image);
+  timer.end(Stage::kPreprocess);
   measure(frame);
   timer.end(Stage::kFeatures);
   status = update(frame, status);
@@ -212,8 +236,12 @@ void FrameTracker<Config, Filter>::begin(const ImageView& image) {
 template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::predict(std::int64_t t_us) {
   const Status status = odometry_.integrate_to(t_us, estimate_.filter(), health_);
-  frame_step_s_ = static_cast<float>(input_.accept(t_us)) * 1e-6F;
-  return status;
+  const FrameStep step = input_.accept(t_us, health_);
+  frame_step_s_ = static_cast<float>(step.us) * 1e-6F;
+  monitor_.note_blind_frames(step.missed);
+  if (!step.gap) return status;
+  local_map_.drop_seeds();
+  return ok(status) ? Status::kTimeGap : status;
 }
 
 /// Searches are paid for with what is left when the update and a step of the relocalisation are.
@@ -242,13 +270,25 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   typename Measurement::Matches& matches = measurement_.matches();
   if (!matches.empty() && monitor_.worth_an_update(measurement_.counts())) {
     const int support = monitor_.min_support(measurement_.counts(), estimate_.min_support());
+    const PlanarPose<float> predicted = filter().mean_pose();
     const PixelUpdate update = estimate_.update(frame, matches, support);
     measurement_.note_update(update);
+    if (monitor_.holds(measurement_.counts())) note_correction(predicted);
     frame.report.update = update.report;
     if (ok(status)) status = update.status;
   }
   note_matches(frame, matches);
   return status;
+}
+
+/// Tells odometry how far the image moved the pose along its heading.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::note_correction(const PlanarPose<float>& predicted) {
+  const Rigid<float> corrected = estimate_.T_world_vehicle();
+  const Vector3<float> ahead = corrected.rotation * Vector3<float>::UnitX();
+  const float x_m = corrected.translation.x() - predicted.position.x();
+  const float y_m = corrected.translation.y() - predicted.position.y();
+  odometry_.note_image_update(ahead.x() * x_m + ahead.y() * y_m, frame_step_s_);
 }
 
 /// Grows the map while the pose holds, recognises the place while it does not. A place that the

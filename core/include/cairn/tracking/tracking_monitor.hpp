@@ -57,6 +57,9 @@ class TrackingMonitor {
 
   /// Ends a frame: returns its final status and moves the state on.
   Status judge(const MeasurementCounts& counts, Status status, Health& health);
+  /// `frames` that did not come, or showed nothing new: weak ones, but whether tracking is lost is
+  /// for the next frame with an image to decide.
+  void note_blind_frames(int frames);
   /// The map in view changed: the running mean starts anew.
   void forget_mean() { mean_inlier_ratio_ = 0.0F; }
 
