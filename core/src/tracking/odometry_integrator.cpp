@@ -6,10 +6,6 @@
 namespace cairn {
 namespace {
 
-bool positive(float value) {
-  return is_finite(value) && value > 0.0F;
-}
-
 float larger(float a, float b) {
   return a > b ? a : b;
 }
@@ -17,10 +13,10 @@ float larger(float a, float b) {
 }  // namespace
 
 Status OdometryNoise::validate() const {
-  const bool good = positive(sigma_speed_mps) && positive(sigma_turn) && positive(wheelbase_m) &&
-                    positive(sample_period_s) && is_finite(steady_s) && steady_s >= 0.0F &&
-                    positive(max_acceleration_mps2) && positive(unknown_speed_mps) &&
-                    positive(unknown_yaw_rate_radps);
+  const bool good = is_positive(sigma_speed_mps) && is_positive(sigma_turn) &&
+                    is_positive(wheelbase_m) && is_positive(sample_period_s) &&
+                    is_finite(steady_s) && steady_s >= 0.0F && is_positive(max_acceleration_mps2) &&
+                    is_positive(unknown_speed_mps) && is_positive(unknown_yaw_rate_radps);
   return good ? Status::kOk : Status::kBadConfig;
 }
 

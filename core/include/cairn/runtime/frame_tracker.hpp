@@ -5,6 +5,7 @@
 #include "cairn/base/config.hpp"
 #include "cairn/base/hash.hpp"
 #include "cairn/tracking/frame_input.hpp"
+#include "cairn/tracking/mounting.hpp"
 #include "cairn/tracking/odometry_integrator.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
@@ -74,6 +75,18 @@ class FrameTracker {
     int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
     std::int64_t max_step_us = 1000000;  ///< longer without odometry: the motion is unknown
     std::uint64_t seed = 1;
+
+    /// kBadConfig unless every value is finite and in its domain; those of the filter it checks
+    /// itself.
+    Status validate() const {
+      const bool parts = ok(odometry.validate()) && ok(floor.validate()) &&
+                         ok(measurement.validate()) && ok(monitor.validate()) &&
+                         ok(local_map.validate()) && ok(map_reuse.validate());
+      const bool good = parts && is_positive(sigma_px) && work_limit >= 0 &&
+                        max_frames_without_mapping >= 0 && max_step_us > 0 &&
+                        max_step_us <= FrameInput::kLongestStepUs;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   struct Start {
@@ -82,8 +95,9 @@ class FrameTracker {
     std::int64_t t_us = 0;
   };
 
-  /// Starts anew at a known pose. kBadConfig for an impossible camera; the tracker is then
-  /// unchanged.
+  /// Starts anew at a known pose. The tracker is unchanged on an error: kBadConfig for an
+  /// impossible camera, mounting or parameter; kNonFiniteInput; kInvalidArgument for a covariance
+  /// that is none.
   Status initialise(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
                     const Start& start, const Parameters& parameters);
 
@@ -165,6 +179,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
                                                 const Rigid<float>& T_vehicle_camera,
                                                 const Start& start, const Parameters& parameters) {
   Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
+  if (ok(status)) status = validate_mounting(T_vehicle_camera);
+  if (ok(status)) status = parameters.validate();
   if (!ok(status)) return status;
   status = estimate_.initialise(camera, T_vehicle_camera, start.pose, start.covariance,
                                 parameters.filter, parameters.sigma_px, parameters.floor);

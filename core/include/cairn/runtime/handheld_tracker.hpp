@@ -61,6 +61,17 @@ class HandheldTracker {
     int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
     std::int64_t max_step_us = 500000;   ///< a longer gap is not integrated
     std::uint64_t seed = 1;
+
+    /// kBadConfig unless every value is finite and in its domain; those of the filter it checks
+    /// itself.
+    Status validate() const {
+      const bool parts = ok(measurement.validate()) && ok(monitor.validate()) &&
+                         ok(local_map.validate()) && ok(start.validate()) &&
+                         ok(map_reuse.validate());
+      const bool good = parts && work_limit >= 0 && max_frames_without_mapping >= 0 &&
+                        max_step_us > 0 && max_step_us <= FrameInput::kLongestStepUs;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   /// Starts anew. kBadConfig for an impossible camera or parameters; the tracker is then unchanged.
@@ -132,6 +143,7 @@ template <class Config>
 Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
                                            const Parameters& parameters) {
   Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
+  if (ok(status)) status = parameters.validate();
   if (!ok(status)) return status;
   status = estimate_.initialise(camera, parameters.filter);
   if (!ok(status)) return status;

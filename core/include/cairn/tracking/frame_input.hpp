@@ -21,6 +21,8 @@ struct FrameStep {
 /// Which frames a tracker accepts: images of its camera's size, in the order of their time.
 class FrameInput {
  public:
+  static constexpr std::int64_t kLongestStepUs = 60000000;  ///< that may be set as the largest
+
   /// Starts anew, before the first frame. `max_step_us`: the largest step, > 0.
   void reset(std::int64_t max_step_us) {
     *this = FrameInput();

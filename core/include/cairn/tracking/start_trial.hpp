@@ -19,6 +19,16 @@ class StartTrial {
     int calm_frames = 30;
     float calm_velocity_noise = 0.14F;
     float calm_rate_noise = 0.35F;
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = blocks >= 0 && blocks <= 10000 && block_frames >= 1 &&
+                        block_frames <= 10000 && is_positive(max_misfit) && max_restarts >= 0 &&
+                        calm_frames >= 0 && is_finite(calm_velocity_noise) &&
+                        calm_velocity_noise >= 0.0F && is_finite(calm_rate_noise) &&
+                        calm_rate_noise >= 0.0F;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   /// Starts anew. The noises are those of motion after a calm start.
