@@ -104,7 +104,10 @@ void OdometryIntegrator::note_image_update(float ahead_m, float step_s) {
   corrected_us_ = time_us_;
   if (!(step_s > 0.0F)) return;
   slip_mps_ *= kLasts_s / (kLasts_s + step_s);
-  const float rate = abs(ahead_m) / step_s;
+  // Wheels that slip are wrong by about the vehicle's speed; more was an error of the pose before.
+  const float most = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
+  const float seen = abs(ahead_m) / step_s;
+  const float rate = seen < most ? seen : most;
   if (rate > kFarInSigmas * noise_.sigma_speed_mps * sqrt(noise_.sample_period_s / step_s)) {
     slip_mps_ = larger(slip_mps_, rate);
   }

@@ -7,6 +7,7 @@
 #include "cairn/tracking/frame_input.hpp"
 #include "cairn/tracking/mounting.hpp"
 #include "cairn/tracking/odometry_integrator.hpp"
+#include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
 
@@ -110,7 +111,8 @@ class FrameTracker {
   /// Refused and counted, `report` untouched: kInvalidArgument (wrong size), kDuplicate,
   /// kTimeBackwards, and kTimeGap for a stamp that InputClock does not believe. Tracked:
   /// report.status is kTimeGap where frames or odometry were missing for longer than the largest
-  /// step; the pose is then as uncertain as that leaves it.
+  /// step; the pose is then as uncertain as that leaves it. kRepeatedImage: the picture is the one
+  /// before, and the pose odometry's.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks, Map& map,
                        FrameReport& report);
 
@@ -148,6 +150,7 @@ class FrameTracker {
   void begin(const ImageView& image);
   void restart_clock(std::int64_t t_us);
   Status predict(std::int64_t t_us);
+  Status pass_over(Status status);
   void measure(Frame& frame);
   Status update(Frame& frame, Status status);
   Status keep_map(Frame& frame, Status status);
@@ -167,6 +170,7 @@ class FrameTracker {
   OdometryIntegrator odometry_;
   FrameInput input_;
   InputClock clock_;
+  RepeatedImage repeated_;
   FrameWork work_;
   Random random_;
   Health health_;
@@ -192,6 +196,7 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   odometry_.reset(parameters.odometry, parameters.max_step_us, start.t_us);
   input_.reset(parameters.max_step_us);
   clock_.reset(parameters.max_step_us);
+  repeated_.reset();
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
   health_ = Health{};
@@ -230,12 +235,17 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   Status status = predict(t_us);
   timer.end(Stage::kPosePrediction);
   begin(image);
+  const bool repeated = repeated_.take(image);
   timer.end(Stage::kPreprocess);
-  measure(frame);
-  timer.end(Stage::kFeatures);
-  status = update(frame, status);
-  status = keep_map(frame, status);
-  status = monitor_.judge(measurement_.counts(), status, health_);
+  if (repeated) {
+    status = pass_over(status);
+  } else {
+    measure(frame);
+    timer.end(Stage::kFeatures);
+    status = update(frame, status);
+    status = keep_map(frame, status);
+    status = monitor_.judge(measurement_.counts(), status, health_);
+  }
   this->report(status, report);
   timer.end(Stage::kPoseUpdate);
   return status;
@@ -245,7 +255,8 @@ template <class Config, class Filter>
 void FrameTracker<Config, Filter>::begin(const ImageView& image) {
   local_map_.begin_frame(image);
   measurement_.begin();
-  work_.begin(work::kFrame + work::kProjection * estimate_.size());
+  work_.begin(work::kFrame + work::repeated_image(image.width, image.height) +
+              work::kProjection * estimate_.size());
   map_reuse_.begin_frame(monitor_.weak_frames());
 }
 
@@ -258,6 +269,15 @@ Status FrameTracker<Config, Filter>::predict(std::int64_t t_us) {
   if (!step.gap) return status;
   local_map_.drop_seeds();
   return ok(status) ? Status::kTimeGap : status;
+}
+
+/// The picture is the one before: odometry alone has moved the vehicle, and the map stays.
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::pass_over(Status status) {
+  ++health_.repeated_images;
+  monitor_.note_blind_frames(1);
+  if (state() == TrackingState::kLost) return Status::kLost;
+  return ok(status) ? Status::kRepeatedImage : status;
 }
 
 /// Searches are paid for with what is left when the update and a step of the relocalisation are.
@@ -297,14 +317,16 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   return status;
 }
 
-/// Tells odometry how far the image moved the pose along its heading.
+/// Tells odometry how far the image moved the pose along its heading. Where the pose was not known
+/// before, that says nothing about the wheels.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::note_correction(const PlanarPose<float>& predicted) {
   const Rigid<float> corrected = estimate_.T_world_vehicle();
   const Vector3<float> ahead = corrected.rotation * Vector3<float>::UnitX();
   const float x_m = corrected.translation.x() - predicted.position.x();
   const float y_m = corrected.translation.y() - predicted.position.y();
-  odometry_.note_image_update(ahead.x() * x_m + ahead.y() * y_m, frame_step_s_);
+  const bool known = state() == TrackingState::kTracking;
+  odometry_.note_image_update(known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F, frame_step_s_);
 }
 
 /// Grows the map while the pose holds, recognises the place while it does not. A place that the
