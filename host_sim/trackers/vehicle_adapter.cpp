@@ -90,7 +90,8 @@ class VehicleAdapter : public Tracker {
     header_.start_t_us = t_us;
     const Status status = start_replay(header_, *core_);
     if (!ok(status)) {
-      throw InputError(source_name_, fmt::format("camera refused: {}", to_string(status)));
+      throw InputError(source_name_, fmt::format("camera, mounting or odometry noise refused: {}",
+                                                 to_string(status)));
     }
     if (work_limit_) static_cast<void>(core_->set_work_limit(*work_limit_));
   }

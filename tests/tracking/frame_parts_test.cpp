@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,30 +19,100 @@ namespace {
 class InputOfFrames : public ::testing::Test {
  protected:
   Status check(std::int64_t t_us, int width = 320) {
-    return input_.check({pixels_.data(), width, 240, 320}, camera_, t_us, health_);
+    return input_.check({pixels_.data(), width, 240, 320}, camera_, t_us, clock_, health_);
   }
+  FrameStep frame(std::int64_t t_us) {
+    EXPECT_EQ(check(t_us), Status::kOk);
+    return input_.accept(t_us, health_);
+  }
+  void reset() {
+    input_.reset(kMaxStepUs);
+    clock_.reset(kMaxStepUs);
+  }
+
+  static constexpr std::int64_t kMaxStepUs = 1000000;
+  static constexpr std::int64_t kPeriodUs = 33000;
 
   const PinholeCamera<float> camera_ = test::to_float(test::small_camera());
   std::vector<std::uint8_t> pixels_ = std::vector<std::uint8_t>(320 * 240, 90);
   FrameInput input_;
+  InputClock clock_;
   Health health_;
 };
 
 TEST_F(InputOfFrames, AcceptsThemInTheOrderOfTime) {
   EXPECT_EQ(check(0), Status::kNotInitialised);
-  input_.reset();
-  ASSERT_EQ(check(1000), Status::kOk);
-  EXPECT_EQ(input_.accept(1000), 0) << "nothing before the first";
+  reset();
+  EXPECT_EQ(frame(1000).us, 0) << "nothing before the first";
   EXPECT_EQ(check(1000), Status::kDuplicate);
   EXPECT_EQ(check(999), Status::kTimeBackwards);
   EXPECT_EQ(health_.time_errors, 2U);
-  ASSERT_EQ(check(34000), Status::kOk);
-  EXPECT_EQ(input_.accept(34000), 33000);
+  const FrameStep step = frame(34000);
+  EXPECT_EQ(step.us, 33000);
+  EXPECT_EQ(step.missed, 0);
+  EXPECT_FALSE(step.gap);
+}
+
+TEST_F(InputOfFrames, CountsThoseThatDidNotCome) {
+  reset();
+  std::int64_t now = 0;
+  for (int k = 0; k < 20; ++k) frame(now += kPeriodUs + (k % 2 == 0 ? 5000 : -5000));
+  EXPECT_EQ(health_.frame_gaps, 0U) << "a clock that jitters misses none";
+  EXPECT_EQ(frame(now += 2 * kPeriodUs).missed, 1);
+  EXPECT_NEAR(frame(now += 20 * kPeriodUs).missed, 19, 2);
+  EXPECT_FALSE(frame(now += kPeriodUs).gap);
+  EXPECT_NEAR(health_.frame_gaps, 20, 2);
+}
+
+TEST_F(InputOfFrames, TakesAnotherRateForTheCamerasAfterAWhile) {
+  reset();
+  std::int64_t now = 0;
+  for (int k = 0; k < 10; ++k) frame(now += kPeriodUs);
+  for (int k = 0; k < 20; ++k) frame(now += 3 * kPeriodUs);
+  EXPECT_EQ(frame(now += 3 * kPeriodUs).missed, 0);
+}
+
+TEST_F(InputOfFrames, GoesOnAfterAGapOnceTheClockIsBelieved) {
+  reset();
+  std::int64_t now = 0;
+  for (int k = 0; k < 10; ++k) frame(now += kPeriodUs);
+  now += 4 * kMaxStepUs;
+  EXPECT_EQ(check(now), Status::kTimeGap);
+  EXPECT_EQ(health_.time_errors, 1U);
+  const FrameStep step = frame(now += kPeriodUs);
+  EXPECT_TRUE(step.gap);
+  EXPECT_EQ(step.us, kMaxStepUs);
+  EXPECT_NEAR(step.missed, 121, 3);
+}
+
+TEST_F(InputOfFrames, GoesOnWhenTheClockWasSetBack) {
+  reset();
+  std::int64_t now = 3600000000;
+  for (int k = 0; k < 10; ++k) frame(now += kPeriodUs);
+  EXPECT_EQ(check(0), Status::kTimeBackwards);
+  const FrameStep step = frame(kPeriodUs);
+  EXPECT_TRUE(step.gap) << "of unknown length";
+  EXPECT_EQ(step.us, kMaxStepUs);
+  EXPECT_EQ(frame(2 * kPeriodUs).us, kPeriodUs);
+}
+
+/// Stamps from outside may lie anywhere in their type.
+TEST_F(InputOfFrames, LivesWithTheEndsOfTime) {
+  reset();
+  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  frame(kFirst);
+  frame(kFirst + kPeriodUs);
+  EXPECT_EQ(check(kLast - kPeriodUs), Status::kTimeGap);
+  const FrameStep step = frame(kLast);
+  EXPECT_TRUE(step.gap);
+  EXPECT_EQ(step.missed, 1000000);
 }
 
 TEST_F(InputOfFrames, RefusesAnotherSize) {
-  input_.reset();
+  reset();
   EXPECT_EQ(check(0, 319), Status::kInvalidArgument);
+  EXPECT_EQ(health_.images_refused, 1U);
   EXPECT_EQ(FrameInput::check_camera(camera_, 320, 240), Status::kOk);
   EXPECT_EQ(FrameInput::check_camera(camera_, 319, 240), Status::kBadConfig);
   EXPECT_EQ(FrameInput::check_camera(PinholeCamera<float>{}, 320, 240), Status::kBadConfig);

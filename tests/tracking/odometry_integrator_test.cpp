@@ -207,7 +207,9 @@ TEST_F(AVehicleWithOdometry, CountsFromTheFirstInputWhereverItsClockStands) {
   EXPECT_EQ(x(), 0.0F);
   ASSERT_TRUE(ok(add(kEpochUs + kPeriodUs, 1.0F)));
   EXPECT_NEAR(x(), 0.1F, 1e-5F);
-  odometry_.restart_clock(-5);
+  const float before = filter_.pose_covariance()(0, 0);
+  ASSERT_TRUE(ok(odometry_.restart_clock(-5, filter_)));
+  EXPECT_NEAR(filter_.pose_covariance()(0, 0) - before, square(0.5F), 1e-3F);
   ASSERT_TRUE(ok(add(-5 + kPeriodUs, 1.0F)));
   EXPECT_NEAR(x(), 0.2F, 1e-5F);
 }

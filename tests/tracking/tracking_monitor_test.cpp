@@ -55,6 +55,18 @@ TEST_F(AVehicleThatTracks, AsksForMoreMatchesAfterWeakFrames) {
   EXPECT_TRUE(monitor_.worth_an_update(counts(10, 6)));
 }
 
+TEST_F(AVehicleThatTracks, IsUncertainAfterFramesThatDidNotComeButNotLost) {
+  monitor_.note_blind_frames(1000);
+  EXPECT_EQ(monitor_.state(), TrackingState::kUncertain);
+  EXPECT_EQ(monitor_.weak_frames(), 60);
+  EXPECT_FALSE(monitor_.worth_an_update(counts(40, 11)));
+  judge(counts(40, 32, 30));
+  EXPECT_EQ(monitor_.state(), TrackingState::kTracking);
+  monitor_.note_blind_frames(1000);
+  judge(counts(40, 5));
+  EXPECT_EQ(monitor_.state(), TrackingState::kLost);
+}
+
 TEST_F(AVehicleThatTracks, AsksForHalfOfTheMeanRatioOrNearlyAllMatches) {
   EXPECT_EQ(monitor_.min_support(counts(40, 30), 2), 15);
   EXPECT_EQ(monitor_.min_support(counts(40, 10), 2), 8);

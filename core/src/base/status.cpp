@@ -44,6 +44,8 @@ const char* to_string(Status status) {
       return "budget_exceeded";
     case Status::kLost:
       return "lost";
+    case Status::kRepeatedImage:
+      return "repeated_image";
   }
   return "unknown";
 }

@@ -6,10 +6,6 @@
 namespace cairn {
 namespace {
 
-bool positive(float value) {
-  return is_finite(value) && value > 0.0F;
-}
-
 float larger(float a, float b) {
   return a > b ? a : b;
 }
@@ -17,10 +13,10 @@ float larger(float a, float b) {
 }  // namespace
 
 Status OdometryNoise::validate() const {
-  const bool good = positive(sigma_speed_mps) && positive(sigma_turn) && positive(wheelbase_m) &&
-                    positive(sample_period_s) && is_finite(steady_s) && steady_s >= 0.0F &&
-                    positive(max_acceleration_mps2) && positive(unknown_speed_mps) &&
-                    positive(unknown_yaw_rate_radps);
+  const bool good = is_positive(sigma_speed_mps) && is_positive(sigma_turn) &&
+                    is_positive(wheelbase_m) && is_positive(sample_period_s) &&
+                    is_finite(steady_s) && steady_s >= 0.0F && is_positive(max_acceleration_mps2) &&
+                    is_positive(unknown_speed_mps) && is_positive(unknown_yaw_rate_radps);
   return good ? Status::kOk : Status::kBadConfig;
 }
 
@@ -39,10 +35,10 @@ void OdometryIntegrator::begin_at(std::int64_t t_us) {
   if (begun_) return;
   begun_ = true;
   const std::int64_t since_us = difference_us(t_us, time_us_);
-  if (since_us < -max_step_us_ || since_us > max_step_us_) restart_clock(t_us);
+  if (since_us < -max_step_us_ || since_us > max_step_us_) count_from(t_us);
 }
 
-void OdometryIntegrator::restart_clock(std::int64_t t_us) {
+void OdometryIntegrator::count_from(std::int64_t t_us) {
   time_us_ = t_us;
   motion_.t_us = t_us;
   corrected_us_ = t_us;
@@ -108,7 +104,10 @@ void OdometryIntegrator::note_image_update(float ahead_m, float step_s) {
   corrected_us_ = time_us_;
   if (!(step_s > 0.0F)) return;
   slip_mps_ *= kLasts_s / (kLasts_s + step_s);
-  const float rate = abs(ahead_m) / step_s;
+  // Wheels that slip are wrong by about the vehicle's speed; more was an error of the pose before.
+  const float most = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
+  const float seen = abs(ahead_m) / step_s;
+  const float rate = seen < most ? seen : most;
   if (rate > kFarInSigmas * noise_.sigma_speed_mps * sqrt(noise_.sample_period_s / step_s)) {
     slip_mps_ = larger(slip_mps_, rate);
   }

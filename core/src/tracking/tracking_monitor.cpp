@@ -66,6 +66,13 @@ void TrackingMonitor::note_weak_frame(bool could_search, Health& health) {
   state_ = lost ? TrackingState::kLost : TrackingState::kUncertain;
 }
 
+void TrackingMonitor::note_blind_frames(int frames) {
+  if (frames <= 0 || state_ == TrackingState::kInitialising) return;
+  const int most = parameters_.uncertain_frames_to_lost - weak_frames_;
+  if (most > 0) weak_frames_ += frames < most ? frames : most;
+  if (state_ == TrackingState::kTracking) state_ = TrackingState::kUncertain;
+}
+
 void TrackingMonitor::begin_probation() {
   weak_frames_ = 0;
   probation_ = parameters_.probation_frames;

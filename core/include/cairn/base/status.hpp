@@ -13,7 +13,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     kBadConfig,        ///< a parameter or calibration value is impossible (for example fx <= 0)
     kDuplicate,        ///< same time stamp as the last accepted input, or an id that is in use
     kTimeBackwards,    ///< older than the last accepted input
-    kTimeGap,          ///< further ahead than the configured largest step: not integrated
+    kTimeGap,          ///< further ahead than the configured largest step
     kNotInitialised,   ///< called before initialise()
     kNotFound,         ///< no such landmark, feature or record
     kFull,             ///< a bounded container has no room and nothing may be replaced
@@ -27,6 +27,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     kCorrupt,          ///< stored data fails its length or checksum test
     kBudgetExceeded,   ///< the frame's work budget was spent before the work was done
     kLost,             ///< no pose: tracking is lost
+    kRepeatedImage,    ///< the same bytes as the frame before: nothing was measured
 };
 
 constexpr bool ok(Status status) {

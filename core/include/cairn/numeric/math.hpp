@@ -61,6 +61,11 @@ template <class T>
 bool is_finite(T x) {
   return x - x == T(0);  // NOLINT(misc-redundant-expression): not for NaN and infinities
 }
+/// Finite and above 0.
+template <class T>
+bool is_positive(T x) {
+  return is_finite(x) && x > T(0);
+}
 
 /// Sine and cosine of `angle` in rad, |angle| <= 1e4 (larger angles lose accuracy, never
 /// finiteness; not finite gives 0 and 1). Absolute error below 2e-7 (float), 3e-16 (double) for

@@ -5,7 +5,9 @@
 #include "cairn/base/config.hpp"
 #include "cairn/base/hash.hpp"
 #include "cairn/tracking/frame_input.hpp"
+#include "cairn/tracking/mounting.hpp"
 #include "cairn/tracking/odometry_integrator.hpp"
+#include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
 
@@ -72,8 +74,20 @@ class FrameTracker {
     typename MapReuse::Parameters map_reuse;
     int work_limit = 10000;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
-    std::int64_t max_step_us = 1000000;  ///< a longer gap is not integrated
+    std::int64_t max_step_us = 1000000;  ///< longer without odometry: the motion is unknown
     std::uint64_t seed = 1;
+
+    /// kBadConfig unless every value is finite and in its domain; those of the filter it checks
+    /// itself.
+    Status validate() const {
+      const bool parts = ok(odometry.validate()) && ok(floor.validate()) &&
+                         ok(measurement.validate()) && ok(monitor.validate()) &&
+                         ok(local_map.validate()) && ok(map_reuse.validate());
+      const bool good = parts && is_positive(sigma_px) && work_limit >= 0 &&
+                        max_frames_without_mapping >= 0 && max_step_us > 0 &&
+                        max_step_us <= FrameInput::kLongestStepUs;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   struct Start {
@@ -82,20 +96,23 @@ class FrameTracker {
     std::int64_t t_us = 0;
   };
 
-  /// Starts anew at a known pose. kBadConfig for an impossible camera; the tracker is then
-  /// unchanged.
+  /// Starts anew at a known pose. The tracker is unchanged on an error: kBadConfig for an
+  /// impossible camera, mounting or parameter; kNonFiniteInput; kInvalidArgument for a covariance
+  /// that is none.
   Status initialise(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
                     const Start& start, const Parameters& parameters);
 
-  /// Integrates odometry up to the sample's time. kTimeBackwards, kNonFiniteInput: sample refused.
-  /// kTimeGap: time moved on, motion over the gap not integrated.
-  Status add_odometry(const OdometrySample& sample) {
-    if (!input_.initialised()) return Status::kNotInitialised;
-    return odometry_.add(sample, estimate_.filter(), health_);
-  }
+  /// Integrates odometry up to the sample's time. Refused and counted, the pose unchanged:
+  /// kNonFiniteInput, kInvalidArgument, kTimeBackwards, and kTimeGap for a stamp that InputClock
+  /// does not believe. Taken: kGated and kTimeGap as OdometryIntegrator::add().
+  Status add_odometry(const OdometrySample& sample);
 
   /// Tracks one frame; odometry up to its time should have been added, the rest is extrapolated.
-  /// kInvalidArgument (wrong size), kDuplicate, kTimeBackwards: frame refused.
+  /// Refused and counted, `report` untouched: kInvalidArgument (wrong size), kDuplicate,
+  /// kTimeBackwards, and kTimeGap for a stamp that InputClock does not believe. Tracked:
+  /// report.status is kTimeGap where frames or odometry were missing for longer than the largest
+  /// step; the pose is then as uncertain as that leaves it. kRepeatedImage: the picture is the one
+  /// before, and the pose odometry's.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks, Map& map,
                        FrameReport& report);
 
@@ -131,11 +148,14 @@ class FrameTracker {
   using Frame = VehicleFrame<Config>;
 
   void begin(const ImageView& image);
+  void restart_clock(std::int64_t t_us);
   Status predict(std::int64_t t_us);
+  Status pass_over(Status status);
   void measure(Frame& frame);
   Status update(Frame& frame, Status status);
   Status keep_map(Frame& frame, Status status);
   Status relocalise(Frame& frame, const Library& library, Status status);
+  void note_correction(const PlanarPose<float>& predicted);
   void note_matches(Frame& frame, const typename Measurement::Matches& matches);
   void note_inlier(Frame& frame, const PixelMatch<float>& match);
   void report(Status status, FrameReport& report);
@@ -149,6 +169,8 @@ class FrameTracker {
   MapReuse map_reuse_;
   OdometryIntegrator odometry_;
   FrameInput input_;
+  InputClock clock_;
+  RepeatedImage repeated_;
   FrameWork work_;
   Random random_;
   Health health_;
@@ -161,6 +183,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
                                                 const Rigid<float>& T_vehicle_camera,
                                                 const Start& start, const Parameters& parameters) {
   Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
+  if (ok(status)) status = validate_mounting(T_vehicle_camera);
+  if (ok(status)) status = parameters.validate();
   if (!ok(status)) return status;
   status = estimate_.initialise(camera, T_vehicle_camera, start.pose, start.covariance,
                                 parameters.filter, parameters.sigma_px, parameters.floor);
@@ -170,7 +194,9 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   local_map_.reset(parameters.local_map, parameters.measurement.search);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search, start.covariance);
   odometry_.reset(parameters.odometry, parameters.max_step_us, start.t_us);
-  input_.reset();
+  input_.reset(parameters.max_step_us);
+  clock_.reset(parameters.max_step_us);
+  repeated_.reset();
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
   health_ = Health{};
@@ -178,24 +204,48 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
 }
 
 template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::add_odometry(const OdometrySample& sample) {
+  if (!input_.initialised()) return Status::kNotInitialised;
+  const Status believed = clock_.take(InputClock::Source::kOdometry, sample.t_us);
+  if (!ok(believed)) {
+    ++health_.time_errors;
+    return believed;
+  }
+  if (clock_.was_set_back()) restart_clock(sample.t_us);
+  return odometry_.add(sample, estimate_.filter(), health_);
+}
+
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::restart_clock(std::int64_t t_us) {
+  static_cast<void>(odometry_.restart_clock(t_us, estimate_.filter()));
+  input_.restart_clock();
+}
+
+template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::int64_t t_us,
                                                    const TickSource& ticks, Map& map,
                                                    FrameReport& report) {
-  const Status accepted = input_.check(image, camera(), t_us, health_);
+  const Status accepted = input_.check(image, camera(), t_us, clock_, health_);
   if (!ok(accepted)) return accepted;
+  if (clock_.was_set_back()) restart_clock(t_us);
   report = FrameReport{};
   report.t_us = t_us;
   Frame frame({image, camera(), work_, random_, report, health_}, map, scratch_);
   StageTimer timer(ticks, report);
-  begin(image);
-  timer.end(Stage::kPreprocess);
   Status status = predict(t_us);
   timer.end(Stage::kPosePrediction);
-  measure(frame);
-  timer.end(Stage::kFeatures);
-  status = update(frame, status);
-  status = keep_map(frame, status);
-  status = monitor_.judge(measurement_.counts(), status, health_);
+  begin(image);
+  const bool repeated = repeated_.take(image);
+  timer.end(Stage::kPreprocess);
+  if (repeated) {
+    status = pass_over(status);
+  } else {
+    measure(frame);
+    timer.end(Stage::kFeatures);
+    status = update(frame, status);
+    status = keep_map(frame, status);
+    status = monitor_.judge(measurement_.counts(), status, health_);
+  }
   this->report(status, report);
   timer.end(Stage::kPoseUpdate);
   return status;
@@ -205,15 +255,29 @@ template <class Config, class Filter>
 void FrameTracker<Config, Filter>::begin(const ImageView& image) {
   local_map_.begin_frame(image);
   measurement_.begin();
-  work_.begin(work::kFrame + work::kProjection * estimate_.size());
+  work_.begin(work::kFrame + work::repeated_image(image.width, image.height) +
+              work::kProjection * estimate_.size());
   map_reuse_.begin_frame(monitor_.weak_frames());
 }
 
 template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::predict(std::int64_t t_us) {
   const Status status = odometry_.integrate_to(t_us, estimate_.filter(), health_);
-  frame_step_s_ = static_cast<float>(input_.accept(t_us)) * 1e-6F;
-  return status;
+  const FrameStep step = input_.accept(t_us, health_);
+  frame_step_s_ = static_cast<float>(step.us) * 1e-6F;
+  monitor_.note_blind_frames(step.missed);
+  if (!step.gap) return status;
+  local_map_.drop_seeds();
+  return ok(status) ? Status::kTimeGap : status;
+}
+
+/// The picture is the one before: odometry alone has moved the vehicle, and the map stays.
+template <class Config, class Filter>
+Status FrameTracker<Config, Filter>::pass_over(Status status) {
+  ++health_.repeated_images;
+  monitor_.note_blind_frames(1);
+  if (state() == TrackingState::kLost) return Status::kLost;
+  return ok(status) ? Status::kRepeatedImage : status;
 }
 
 /// Searches are paid for with what is left when the update and a step of the relocalisation are.
@@ -242,13 +306,27 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   typename Measurement::Matches& matches = measurement_.matches();
   if (!matches.empty() && monitor_.worth_an_update(measurement_.counts())) {
     const int support = monitor_.min_support(measurement_.counts(), estimate_.min_support());
+    const PlanarPose<float> predicted = filter().mean_pose();
     const PixelUpdate update = estimate_.update(frame, matches, support);
     measurement_.note_update(update);
+    if (monitor_.holds(measurement_.counts())) note_correction(predicted);
     frame.report.update = update.report;
     if (ok(status)) status = update.status;
   }
   note_matches(frame, matches);
   return status;
+}
+
+/// Tells odometry how far the image moved the pose along its heading. Where the pose was not known
+/// before, that says nothing about the wheels.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::note_correction(const PlanarPose<float>& predicted) {
+  const Rigid<float> corrected = estimate_.T_world_vehicle();
+  const Vector3<float> ahead = corrected.rotation * Vector3<float>::UnitX();
+  const float x_m = corrected.translation.x() - predicted.position.x();
+  const float y_m = corrected.translation.y() - predicted.position.y();
+  const bool known = state() == TrackingState::kTracking;
+  odometry_.note_image_update(known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F, frame_step_s_);
 }
 
 /// Grows the map while the pose holds, recognises the place while it does not. A place that the

@@ -64,13 +64,25 @@ class HandheldTracker {
     int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
     std::int64_t max_step_us = 500000;   ///< a longer gap is not integrated
     std::uint64_t seed = 1;
+
+    /// kBadConfig unless every value is finite and in its domain; those of the filter it checks
+    /// itself.
+    Status validate() const {
+      const bool parts = ok(measurement.validate()) && ok(monitor.validate()) &&
+                         ok(local_map.validate()) && ok(start.validate()) &&
+                         ok(motion.validate()) && ok(map_reuse.validate());
+      const bool good = parts && work_limit >= 0 && max_frames_without_mapping >= 0 &&
+                        max_step_us > 0 && max_step_us <= FrameInput::kLongestStepUs;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   /// Starts anew. kBadConfig for an impossible camera or parameters; the tracker is then unchanged.
   Status initialise(const PinholeCamera<float>& camera, const Parameters& parameters);
 
-  /// Tracks one frame. kInvalidArgument (wrong size), kDuplicate, kTimeBackwards: frame refused,
-  /// tracker unchanged but for its counters. Otherwise report.status is kOk, kLowTexture,
+  /// Tracks one frame. kInvalidArgument (wrong size), kDuplicate, kTimeBackwards, and kTimeGap for
+  /// a stamp that InputClock does not believe: frame refused, `report` and tracker unchanged but
+  /// for the counters. Otherwise report.status is kOk, kLowTexture,
   /// kNoConsensus, kTimeGap or kLost, and the pose is the filter's best.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report);
@@ -100,9 +112,11 @@ class HandheldTracker {
 
  private:
   using Frame = HandheldFrame<Config>;
+  /// A slow camera is no jump of the clock: a stamp is in order within so many largest steps.
+  static constexpr int kStepsOfClock = 4;
 
-  Status track(Frame& frame, std::int64_t step_us, StageTimer& timer);
-  Status predict(std::int64_t step_us);
+  Status track(Frame& frame, const FrameStep& step, StageTimer& timer);
+  Status predict(const FrameStep& step);
   void note_motion(std::int64_t step_us);
   void measure(Frame& frame, SearchPass pass);
   Status update(Frame& frame, int first, Status status);
@@ -123,17 +137,18 @@ class HandheldTracker {
   MotionNoise motion_;
   MapReuse map_reuse_;
   FrameInput input_;
+  InputClock clock_;
   FrameWork work_;
   Random random_;
   Health health_;
   HandheldScratch<Config> scratch_;
-  std::int64_t max_step_us_ = 0;
 };
 
 template <class Config>
 Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
                                            const Parameters& parameters) {
   Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
+  if (ok(status)) status = parameters.validate();
   if (!ok(status)) return status;
   status = estimate_.initialise(camera, parameters.filter);
   if (!ok(status)) return status;
@@ -144,11 +159,11 @@ Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
   start_.reset(parameters.start);
   motion_.reset(parameters.motion);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search);
-  input_.reset();
+  input_.reset(parameters.max_step_us);
+  clock_.reset(kStepsOfClock * parameters.max_step_us);
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
   health_ = Health{};
-  max_step_us_ = parameters.max_step_us;
   return Status::kOk;
 }
 
@@ -168,7 +183,7 @@ Status HandheldTracker<Config>::load_map(const ByteSource& source, MapFileInfo& 
 template <class Config>
 Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64_t t_us,
                                               const TickSource& ticks, FrameReport& report) {
-  const Status accepted = input_.check(image, camera_, t_us, health_);
+  const Status accepted = input_.check(image, camera_, t_us, clock_, health_);
   if (!ok(accepted)) return accepted;
   report = FrameReport{};
   report.t_us = t_us;
@@ -177,25 +192,25 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   local_map_.begin_frame(image);
   measurement_.begin();
   work_.begin(work::kMonoFrame + work::kProjection * estimate_.size());
-  const std::int64_t step_us = input_.accept(t_us);
+  const FrameStep step = input_.accept(t_us, health_);
   timer.end(Stage::kPreprocess);
   const bool lost = state() == TrackingState::kLost;
-  const Status status = lost ? relocalise(frame) : track(frame, step_us, timer);
+  const Status status = lost ? relocalise(frame) : track(frame, step, timer);
   if (lost) timer.end(Stage::kFeatures);
   this->report(status, report);
   return status;
 }
 
 template <class Config>
-Status HandheldTracker<Config>::track(Frame& frame, std::int64_t step_us, StageTimer& timer) {
-  Status status = predict(step_us);
+Status HandheldTracker<Config>::track(Frame& frame, const FrameStep& step, StageTimer& timer) {
+  Status status = predict(step);
   timer.end(Stage::kPosePrediction);
   measure(frame, SearchPass::kAll);
   timer.end(Stage::kFeatures);
   status = update(frame, 0, status);
   measure_rest(frame);
   status = monitor_.judge(measurement_.counts(), status, health_);
-  note_motion(step_us);
+  note_motion(step.us);
   keep_map(frame);
   frame.report.state = state();
   if (start_failed()) {
@@ -207,19 +222,14 @@ Status HandheldTracker<Config>::track(Frame& frame, std::int64_t step_us, StageT
 }
 
 template <class Config>
-Status HandheldTracker<Config>::predict(std::int64_t step_us) {
-  if (step_us == 0) return Status::kOk;  // the first frame
-  Status status = Status::kOk;
-  if (step_us > max_step_us_) {
-    ++health_.time_errors;
-    step_us = max_step_us_;
-    status = Status::kTimeGap;
-  }
+Status HandheldTracker<Config>::predict(const FrameStep& step) {
+  if (step.us == 0) return Status::kOk;  // the first frame
+  if (step.gap) monitor_.note_blind_frames(step.missed);
   Filter& filter = estimate_.filter();
   const Status set = filter.set_motion_noise(motion_.velocity_noise(), motion_.rate_noise());
   if (!ok(set)) return set;
-  const Status predicted = filter.predict(static_cast<float>(step_us) * 1e-6F);
-  return ok(predicted) ? status : predicted;
+  const Status predicted = filter.predict(static_cast<float>(step.us) * 1e-6F);
+  return ok(predicted) && step.gap ? Status::kTimeGap : predicted;
 }
 
 template <class Config>

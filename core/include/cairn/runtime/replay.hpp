@@ -61,7 +61,11 @@ Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>
   parameters.seed = header.seed;
   parameters.odometry.sigma_speed_mps = header.speed_sigma_mps;
   parameters.odometry.sigma_turn = header.turn_sigma;
-  parameters.odometry.wheelbase_m = header.wheelbase_m;
+  // Without a wheelbase a steering angle may turn the vehicle by anything: such samples are
+  // refused.
+  constexpr float kNoWheelbase_m = 1e-6F;
+  const bool named = header.wheelbase_m > 0.0F;
+  parameters.odometry.wheelbase_m = named ? header.wheelbase_m : kNoWheelbase_m;
   parameters.odometry.sample_period_s = header.odometry_period_s;
   typename Tracker::Start start;
   start.pose.position = Vector2<float>(header.start_x_m, header.start_y_m);

@@ -29,6 +29,18 @@ struct SearchParameters {
   int min_direct_correlation_q10 = 819;  ///< same without a descriptor match, 0.80
   float direct_half_window_px = 4.0F;    ///< windows up to this size may skip the descriptor
   float gate = 9.21F;                    ///< chi-square, 2 degrees of freedom, 99 %
+
+  /// kBadConfig unless every value is finite and in its domain.
+  Status validate() const {
+    const bool good = ok(patch.validate()) && fast_threshold >= 1 && fast_threshold <= 254 &&
+                      max_distance >= 0 && max_distance <= 512 && ratio_percent >= 0 &&
+                      ratio_percent <= 100 && min_correlation_q10 >= 0 &&
+                      min_correlation_q10 <= 1024 && min_direct_correlation_q10 >= 0 &&
+                      min_direct_correlation_q10 <= 1024 && direct_half_window_px >= 0.0F &&
+                      direct_half_window_px <= static_cast<float>(kMaxHalfWindow) &&
+                      is_positive(gate);
+    return good ? Status::kOk : Status::kBadConfig;
+  }
 };
 
 /// What a search cost and found.

@@ -28,6 +28,14 @@ class FeatureSupply {
     int min_distance_px = 14;  ///< to the nearest known landmark
     int cells_per_frame = 12;  ///< searched at most
     int margin_px = 40;        ///< to the image border
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = fast_threshold >= 1 && fast_threshold <= 254 && min_score >= 0 &&
+                        min_distance_px >= 0 && min_distance_px <= 4096 && cells_per_frame >= 0 &&
+                        margin_px >= 0 && margin_px <= 4096;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
   struct Report {
     int cells_searched = 0;

@@ -19,6 +19,12 @@ class HandheldArchive {
     int mature_sightings = 12;  ///< a feature is archived at so many, and its record renewed each
                                 ///< time that the number doubles
     float max_depth_sigma = 0.15F;  ///< of an archived feature, relative to its distance
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = mature_sightings >= 1 && is_positive(max_depth_sigma);
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   void reset(const Parameters& parameters) {

@@ -21,6 +21,14 @@ class HandheldLocalMap {
     int max_new_features_per_frame = 6;
     int max_weak_frames = 3;           ///< in a row, in which features still begin
     int min_sightings_to_archive = 6;  ///< of a feature that leaves the filter
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = ok(supply.validate()) && target_features >= 1 &&
+                        max_new_features_per_frame >= 0 && max_weak_frames >= 0 &&
+                        min_sightings_to_archive >= 1;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   void reset(const Parameters& parameters) {

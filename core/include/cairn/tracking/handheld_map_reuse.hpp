@@ -36,6 +36,14 @@ class HandheldMapReuse {
     int min_found = 8;               ///< landmarks that confirm a place,
     float min_found_ratio = 0.4F;    ///< and of those that the pose predicts
     int max_confirm_distance = 120;  ///< Hamming, of descriptors steered to the pose
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = ok(archive.validate()) && ok(engine.validate()) && min_library >= 0 &&
+                        min_found >= 1 && min_found_ratio >= 0.0F && min_found_ratio <= 1.0F &&
+                        max_confirm_distance >= 0 && max_confirm_distance <= 512;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   /// `search`: how landmarks are searched, but for what confirming a place changes.

@@ -30,6 +30,8 @@ class InputClock {
   bool jumped() const { return jumped_; }
   /// By how much the newest believed time moved with that jump, us; negative for a restarted clock.
   std::int64_t jump_us() const { return jump_us_; }
+  /// Whether the stamp that was taken last confirmed that the clock was set back.
+  bool was_set_back() const { return jumped_ && jump_us_ < 0; }
 
  private:
   bool confirms(unsigned source_bit, std::int64_t t_us);

@@ -32,6 +32,12 @@ class LandmarkMeasurement {
   struct Parameters {
     SearchParameters search;
     int max_searches = Capacity;
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = ok(search.validate()) && max_searches >= 0;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   void reset(const Parameters& parameters) {

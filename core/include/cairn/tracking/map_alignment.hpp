@@ -12,6 +12,13 @@ namespace cairn {
 struct MapDrift {
   float position_m = 0.03F;     ///< per root metre of distance travelled
   float heading_rad = 0.0006F;  ///< per root metre of distance travelled
+
+  /// kBadConfig unless every value is finite and in its domain.
+  Status validate() const {
+    const bool good = is_finite(position_m) && position_m >= 0.0F && is_finite(heading_rad) &&
+                      heading_rad >= 0.0F;
+    return good ? Status::kOk : Status::kBadConfig;
+  }
 };
 
 /// The map-to-odom alignment: the transform T_world_map between the frame of the map library, in

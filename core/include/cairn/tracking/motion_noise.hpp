@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/base/status.hpp"
 #include "cairn/geometry/types.hpp"
 #include "cairn/numeric/math.hpp"
 
@@ -18,6 +19,17 @@ class MotionNoise {
     float gain = 1.0F;         ///< noise for each unit of change per sqrt(s) seen
     float memory = 0.9F;       ///< share of the largest squared change that a frame leaves
     float weak_growth = 2.0F;  ///< factor for each frame without a consensus
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = is_positive(least_velocity_noise) && is_positive(least_rate_noise) &&
+                        is_finite(most_velocity_noise) && is_finite(most_rate_noise) &&
+                        most_velocity_noise >= least_velocity_noise &&
+                        most_rate_noise >= least_rate_noise && is_positive(gain) &&
+                        memory >= 0.0F && memory <= 1.0F && is_finite(weak_growth) &&
+                        weak_growth >= 1.0F;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   void reset(const Parameters& parameters) {

@@ -57,8 +57,11 @@ class OdometryIntegrator {
   template <class Filter>
   Status integrate_to(std::int64_t t_us, Filter& filter, Health& health);
 
-  /// The clock of the inputs was set back: times count on from `t_us`.
-  void restart_clock(std::int64_t t_us);
+  /// The clock of the inputs was set back, and times count on from `t_us`. How long ago the last
+  /// input was is unknown: the pose stays, as uncertain as `max_step_us` leaves it. Errors: as
+  /// Filter::widen_pose(), with the clock set all the same.
+  template <class Filter>
+  Status restart_clock(std::int64_t t_us, Filter& filter);
 
   /// An image has corrected the pose at its present time, by `ahead_m` along the vehicle's heading
   /// since the frame `step_s` before: what was held until now needs no correction by odometry. A
@@ -78,6 +81,7 @@ class OdometryIntegrator {
   };
 
   void begin_at(std::int64_t t_us);
+  void count_from(std::int64_t t_us);
   Status check(const OdometrySample& sample, Health& health) const;
   bool is_glitch(const OdometrySample& sample);
   float seconds_since_sample(std::int64_t t_us) const;
@@ -147,6 +151,14 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
   }
   if (glitch) return Status::kGated;
   return gap ? Status::kTimeGap : Status::kOk;
+}
+
+template <class Filter>
+Status OdometryIntegrator::restart_clock(std::int64_t t_us, Filter& filter) {
+  const Drift drift = drift_between(0.0F, static_cast<float>(max_step_us_) * 1e-6F);
+  count_from(t_us);
+  yaw_variance_ += drift.heading;
+  return filter.widen_pose(drift.position, drift.heading);
 }
 
 template <class Filter>

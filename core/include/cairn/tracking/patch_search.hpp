@@ -2,6 +2,7 @@
 
 #include "cairn/base/status.hpp"
 #include "cairn/estimation/observation.hpp"
+#include "cairn/numeric/math.hpp"
 #include "cairn/vision/image.hpp"
 #include "cairn/vision/patch.hpp"
 
@@ -12,6 +13,13 @@ struct PatchSearchParameters {
   int min_correlation_q10 = 768;             ///< zero-mean NCC at the best whole pixel, 0.75
   int min_aligned_q10 = 717;                 ///< the same after alignment, 0.70
   float gate = 9.21F;                        ///< chi-square, 2 degrees of freedom, 99 %
+
+  /// kBadConfig unless every value is finite and in its domain.
+  Status validate() const {
+    const bool good = min_correlation_q10 >= 0 && min_correlation_q10 <= 1024 &&
+                      min_aligned_q10 >= 0 && min_aligned_q10 <= 1024 && is_positive(gate);
+    return good ? Status::kOk : Status::kBadConfig;
+  }
 };
 
 /// Looks for one feature in the 99 % ellipse of its prediction by the normalised correlation of its

@@ -56,6 +56,23 @@ class Relocaliser {
     LibraryMatcherOptions matcher;
     PlanarPoseOptions near;
     PoseRansacOptions<Scalar> ransac;
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good =
+          fast_threshold >= 1 && fast_threshold <= 254 && min_score >= 0 && margin_px >= 0 &&
+          margin_px <= 4096 && min_features >= 1 && max_corner_percent >= 1 &&
+          max_corner_percent <= 100 && max_capture_work >= 1 && max_pairs_per_step >= 1 &&
+          max_pairs_per_step <= (1 << 24) && samples_per_step >= 1 &&
+          samples_per_step <= PoseRansacOptions<Scalar>::kMaxHypotheses &&
+          is_positive(static_cast<float>(sigma_px)) && matcher.max_prefix_distance >= 0 &&
+          matcher.max_distance >= 0 && matcher.max_ratio_256 >= 0 && matcher.max_ratio_256 <= 256 &&
+          is_positive(near.gate) && is_positive(near.inlier_px) && near.min_support >= 1 &&
+          ransac.max_hypotheses >= 1 && ransac.confidence > Scalar(0) &&
+          ransac.confidence < Scalar(1) && is_positive(static_cast<float>(ransac.inlier_px)) &&
+          ransac.min_inliers >= 3 && ransac.ambiguity_share >= Scalar(0);
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   enum class Outcome : std::uint8_t {

@@ -45,6 +45,19 @@ struct SeedParameters {
   int max_misses = 2;
   int min_correlation_q10 = 768;
   SearchParameters search;
+
+  /// kBadConfig unless every value is finite and in its domain.
+  Status validate() const {
+    const bool good =
+        is_positive(initial_depth_m) && is_positive(initial_sigma_rho) && is_positive(sigma_px) &&
+        is_positive(max_relative_sigma) && is_positive(min_depth_m) &&
+        is_positive(depth_inflation) && is_positive(gate) && is_positive(search_step_px) &&
+        is_finite(max_depth_m) && max_depth_m > min_depth_m && is_finite(sigma_yaw_rad) &&
+        sigma_yaw_rad >= 0.0F && is_finite(sigma_pitch_rad) && sigma_pitch_rad >= 0.0F &&
+        min_views >= 1 && max_views >= min_views && max_misses >= 0 && min_correlation_q10 >= 0 &&
+        min_correlation_q10 <= 1024 && ok(search.validate());
+    return good ? Status::kOk : Status::kBadConfig;
+  }
 };
 
 }  // namespace cairn

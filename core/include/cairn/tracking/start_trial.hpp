@@ -14,6 +14,13 @@ class StartTrial {
     int block_frames = 15;
     float max_misfit = 2.0F;  ///< squared innovations of a block, relative to their covariance
     int max_restarts = 5;
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = blocks >= 0 && blocks <= 10000 && block_frames >= 1 &&
+                        block_frames <= 10000 && is_positive(max_misfit) && max_restarts >= 0;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   /// Starts anew.

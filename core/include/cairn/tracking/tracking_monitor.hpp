@@ -29,6 +29,16 @@ class TrackingMonitor {
     int min_return_matches = 6;         ///< and at least so many
     float min_place_ratio = 0.7F;       ///< of the landmarks expected at a recognised place
     int probation_frames = 0;           ///< tracked frames until a recognised place counts as found
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good =
+          min_inliers >= 1 && uncertain_frames_to_lost >= 0 && min_return_matches >= 0 &&
+          probation_frames >= 0 && min_match_ratio >= 0.0F && min_match_ratio <= 1.0F &&
+          min_mean_ratio >= 0.0F && min_mean_ratio <= 1.0F && min_return_ratio >= 0.0F &&
+          min_return_ratio <= 1.0F && min_place_ratio >= 0.0F && min_place_ratio <= 1.0F;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   void reset(const Parameters& parameters) {
@@ -57,6 +67,9 @@ class TrackingMonitor {
 
   /// Ends a frame: returns its final status and moves the state on.
   Status judge(const MeasurementCounts& counts, Status status, Health& health);
+  /// `frames` that did not come, or showed nothing new: weak ones, but whether tracking is lost is
+  /// for the next frame with an image to decide.
+  void note_blind_frames(int frames);
   /// The map in view changed: the running mean starts anew.
   void forget_mean() { mean_inlier_ratio_ = 0.0F; }
 

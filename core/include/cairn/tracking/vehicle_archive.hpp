@@ -26,6 +26,13 @@ class VehicleArchive {
     float inflation = 4.0F;            ///< of the variances of reactivated landmarks
     float map_height_sigma_m = 0.02F;  ///< of the library as a whole
     MapDrift drift;
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = mature_sightings >= 1 && is_finite(inflation) && inflation >= 1.0F &&
+                        is_positive(map_height_sigma_m) && ok(drift.validate());
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   /// Starts anew at a pose with `covariance` of (x, y, heading).

@@ -13,6 +13,13 @@ struct FloorParameters {
   float sigma_m = 0.02F;             ///< unevenness of the floor; 0: heights are not used
   float height_sigma_max_m = 0.08F;  ///< largest height sigma at which a landmark is tested
   float gate = 3.84F;                ///< chi-square, 1 degree of freedom, 95 %
+
+  /// kBadConfig unless every value is finite and in its domain.
+  Status validate() const {
+    const bool good = is_finite(sigma_m) && sigma_m >= 0.0F && is_positive(height_sigma_max_m) &&
+                      is_positive(gate);
+    return good ? Status::kOk : Status::kBadConfig;
+  }
 };
 
 /// A planar SLAM filter, the camera on its vehicle, and the tracker's records of its landmarks,

@@ -35,6 +35,15 @@ class VehicleLocalMap {
     int keyframe_interval = 8;  ///< frames between frames with new seeds
     int max_new_landmarks_per_frame = 4;
     int min_sightings_to_archive = 6;  ///< of a landmark that leaves the filter
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = ok(supply.validate()) && ok(seeds.validate()) &&
+                        is_positive(tracked_yaw_rad) && target_in_view >= 0 &&
+                        max_new_seeds_per_frame >= 0 && keyframe_interval >= 1 &&
+                        max_new_landmarks_per_frame >= 0 && min_sightings_to_archive >= 1;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   /// Starts anew. `search`: how seeds are searched.

@@ -37,6 +37,14 @@ class VehicleMapReuse {
     int library_slots_per_frame = 48;  ///< looked through for landmarks that come into view
     int max_reactivations_per_frame = 3;
     int min_expected_in_view = 4;  ///< library landmarks near odometry's pose: a known place
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = ok(archive.validate()) && ok(relocalisation.validate()) &&
+                        library_slots_per_frame >= 0 && library_slots_per_frame <= 1000000 &&
+                        max_reactivations_per_frame >= 0 && min_expected_in_view >= 1;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   /// Starts anew at a pose with `covariance`. `search`: how landmarks of the library are searched.

@@ -21,6 +21,13 @@ class VehicleRelocalisation {
     int whole_library_every = 3;  ///< images: the others are compared near the prior alone
     int unknown_after = 8;        ///< unrecognised images where the library shows nothing
     typename Engine::Parameters engine;
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const bool good = after_weak_frames >= 1 && whole_library_every >= 1 && unknown_after >= 1 &&
+                        unknown_after <= 1000000 && ok(engine.validate());
+      return good ? Status::kOk : Status::kBadConfig;
+    }
   };
 
   enum class Outcome : std::uint8_t {

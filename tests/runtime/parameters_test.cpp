@@ -1,0 +1,130 @@
+#include <limits>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/runtime/handheld_tracker.hpp"
+#include "cairn/runtime/vehicle_tracker.hpp"
+
+#include "plane_scene.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+template <class Tracker>
+std::uint64_t hash_of(const Tracker& tracker) {
+  Hash64 hash;
+  tracker.hash(hash);
+  return hash.value();
+}
+
+/// GIVEN a vehicle's tracker that has started.
+class ParametersOfAVehicle : public ::testing::Test {
+ protected:
+  using Filter = GroupIekfSlam<float, TinyConfig::kMaxLandmarks, 3>;
+  using Tracker = FrameTracker<TinyConfig, Filter>;
+  using Parameters = Tracker::Parameters;
+
+  ParametersOfAVehicle() {
+    start_.covariance = 1e-6F * Matrix3<float>::Identity();
+    EXPECT_TRUE(ok(initialise({})));
+    before_ = hash_of(*tracker_);
+  }
+  Status initialise(const Parameters& parameters) {
+    return tracker_->initialise(test::to_float(test::small_camera()), mounting_, start_,
+                                parameters);
+  }
+  /// Whether the change is refused as a bad one, with the tracker as it was.
+  template <class Change>
+  bool refuses(Change change) {
+    Parameters parameters;
+    change(parameters);
+    const Status status = initialise(parameters);
+    return status == Status::kBadConfig && hash_of(*tracker_) == before_;
+  }
+
+  std::unique_ptr<Tracker> tracker_ = std::make_unique<Tracker>();
+  Rigid<float> mounting_;
+  Tracker::Start start_;
+  std::uint64_t before_ = 0;
+};
+
+TEST_F(ParametersOfAVehicle, OfOdometryAndCameraArePossible) {
+  EXPECT_TRUE(refuses([](Parameters& p) { p.odometry.wheelbase_m = 0.0F; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.odometry.sigma_speed_mps = kNaN; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.sigma_px = 0.0F; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.sigma_px = kInf; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.floor.gate = -1.0F; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.filter.gate = kNaN; }));
+}
+
+TEST_F(ParametersOfAVehicle, OfItsPartsArePossible) {
+  EXPECT_TRUE(refuses([](Parameters& p) { p.measurement.search.fast_threshold = 0; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.measurement.search.patch.gate = 0.0F; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.measurement.max_searches = -1; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.monitor.min_match_ratio = kNaN; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.monitor.min_inliers = 0; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.local_map.supply.min_distance_px = 1 << 20; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.local_map.seeds.sigma_px = 0.0F; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.map_reuse.archive.mature_sightings = 0; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.map_reuse.archive.drift.position_m = kNaN; }));
+  EXPECT_TRUE(
+      refuses([](Parameters& p) { p.map_reuse.relocalisation.engine.samples_per_step = 0; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.map_reuse.library_slots_per_frame = -1; }));
+}
+
+TEST_F(ParametersOfAVehicle, OfWorkAndTimeArePossible) {
+  EXPECT_TRUE(refuses([](Parameters& p) { p.work_limit = -1; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.max_frames_without_mapping = -1; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.max_step_us = 0; }));
+  EXPECT_TRUE(
+      refuses([](Parameters& p) { p.max_step_us = std::numeric_limits<std::int64_t>::max(); }));
+}
+
+TEST_F(ParametersOfAVehicle, MountingIsARigidTransform) {
+  mounting_.rotation = Quaternion<float>(0.0F, 0.0F, 0.0F, 0.0F);
+  EXPECT_EQ(initialise({}), Status::kBadConfig);
+  mounting_.rotation = Quaternion<float>(1.01F, 0.0F, 0.0F, 0.0F);
+  EXPECT_EQ(initialise({}), Status::kBadConfig);
+  mounting_.rotation = Quaternion<float>(0.9995F, 0.0F, 0.0F, 0.0F);
+  mounting_.translation.z() = kNaN;
+  EXPECT_EQ(initialise({}), Status::kNonFiniteInput);
+  mounting_.translation.z() = 1.0F;
+  EXPECT_EQ(hash_of(*tracker_), before_);
+  EXPECT_EQ(initialise({}), Status::kOk);
+}
+
+TEST_F(ParametersOfAVehicle, StartIsAPoseWithACovariance) {
+  start_.covariance(0, 0) = -1.0F;
+  EXPECT_EQ(initialise({}), Status::kInvalidArgument);
+  start_.covariance(0, 0) = kNaN;
+  EXPECT_EQ(initialise({}), Status::kNonFiniteInput);
+  EXPECT_EQ(hash_of(*tracker_), before_);
+}
+
+TEST(ParametersOfAHandheldTracker, ArePossible) {
+  using Tracker = HandheldTracker<TinyConfig>;
+  auto tracker = std::make_unique<Tracker>();
+  const PinholeCamera<float> camera = test::to_float(test::small_camera());
+  ASSERT_TRUE(ok(tracker->initialise(camera, {})));
+  const std::uint64_t before = hash_of(*tracker);
+  const auto refuses = [&](auto change) {
+    Tracker::Parameters parameters;
+    change(parameters);
+    return tracker->initialise(camera, parameters) == Status::kBadConfig &&
+           hash_of(*tracker) == before;
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.map_reuse.archive.mature_sightings = 0; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.map_reuse.min_found_ratio = kNaN; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.start.block_frames = 0; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.local_map.target_features = 0; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.max_step_us = 0; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.filter.sigma_px = 0.0F; }));
+}
+
+}  // namespace
+}  // namespace cairn
