@@ -67,6 +67,24 @@ TEST_F(VehicleWithAClock, IsUncertainAfterAGap) {
   EXPECT_NEAR(tracker_->health().frame_gaps, 90U, 2U);
 }
 
+/// A camera that hangs hands out its last picture again while the vehicle drives on.
+TEST_F(VehicleWithAClock, MeasuresNothingInAPictureThatItHasSeen) {
+  const float before = x();
+  const float sigma = sigma_x();
+  constexpr int kHung = 4;
+  for (int k = 0; k < kHung; ++k) {
+    static_cast<void>(odometry((kTracked + k) * kStepUs));
+    EXPECT_EQ(frame(kTracked - 1, (kTracked + k) * kStepUs), Status::kRepeatedImage);
+    EXPECT_EQ(report_.state, TrackingState::kUncertain);
+    EXPECT_EQ(report_.searched, 0);
+  }
+  EXPECT_NEAR(x() - before, kHung * kStep, 0.01) << "odometry's motion";
+  EXPECT_GT(sigma_x(), sigma);
+  EXPECT_EQ(tracker_->health().repeated_images, static_cast<std::uint32_t>(kHung));
+  EXPECT_EQ(both(kTracked + kHung, 0), Status::kOk);
+  EXPECT_EQ(report_.state, TrackingState::kTracking);
+}
+
 TEST_F(VehicleWithAClock, RefusesAnImageOfAnotherSizeAndCountsIt) {
   const ImageView narrow{picture(0).data(), 319, 240, 320};
   EXPECT_EQ(tracker_->process_frame(narrow, kTracked * kStepUs, TickSource{}, report_),
