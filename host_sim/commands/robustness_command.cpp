@@ -11,9 +11,9 @@
 
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
-#include "host_sim/commands/run_options.hpp"
 #include "host_sim/experiments/robustness/robustness_files.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/options/run_options.hpp"
 #include "host_sim/reports/build_info.hpp"
 
 namespace cairn::host {

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "host_sim/io/input_error.hpp"
 #include "host_sim/experiments/robustness/robustness_files.hpp"
+#include "host_sim/io/input_error.hpp"
 #include "two_walls.hpp"
 
 namespace cairn::host {

@@ -4,8 +4,9 @@
 //
 //   loop_count --profile FILE [--log LOG]... [--search TRIES [--seed N]]
 //
-// --log: replays an input log. --search: tries stress scenes, each evolved from the most expensive so far,
-// and prints the most expensive. Built by Clang with its profile counters (preset host-loops).
+// --log: replays an input log. --search: tries stress scenes, each evolved from the most expensive
+// so far, and prints the most expensive. Built by Clang with its profile counters (preset
+// host-loops).
 
 #include <algorithm>
 #include <cstdio>

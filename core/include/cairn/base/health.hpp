@@ -9,9 +9,9 @@ namespace cairn {
 /// snapshot.
 struct Health {
   std::uint32_t non_finite_inputs = 0;
-  std::uint32_t time_errors = 0;  ///< duplicate, backwards or too large a step
-  std::uint32_t images_refused = 0;  ///< none, or not of the camera's size
-  std::uint32_t frame_gaps = 0;   ///< frames that were expected and did not come
+  std::uint32_t time_errors = 0;        ///< duplicate, backwards or too large a step
+  std::uint32_t images_refused = 0;     ///< none, or not of the camera's size
+  std::uint32_t frame_gaps = 0;         ///< frames that were expected and did not come
   std::uint32_t odometry_refused = 0;   ///< readings outside their domain
   std::uint32_t odometry_glitches = 0;  ///< readings that changed faster than a vehicle can
   std::uint32_t odometry_timeouts = 0;  ///< steps in which the motion was unknown
