@@ -23,6 +23,7 @@ class TruthTracker final : public Tracker {
     report.state = TrackingState::kTracking;
     report.T_world_camera = {T_world_camera.rotation.cast<float>(),
                              T_world_camera.translation.cast<float>()};
+    report.T_map_camera = report.T_world_camera;
     report.landmarks = 1;
     for (int i = 0; i < kStageCount; ++i) report.stage_ticks[i] = 1000U * (i + 1U);
     overlay.at<std::uint8_t>(0, 0) = 255;

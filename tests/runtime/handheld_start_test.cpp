@@ -21,7 +21,7 @@ class StartOnTrial : public ::testing::Test {
 
   StartOnTrial() {
     Handheld::Parameters parameters;
-    parameters.start.max_misfit = -1.0F;
+    parameters.start.max_misfit = 1e-6F;
     parameters.start.max_restarts = 1;
     block_ = parameters.start.block_frames;
     EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), parameters)));

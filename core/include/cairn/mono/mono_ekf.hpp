@@ -90,6 +90,9 @@ class MonoEkf {
   /// Motion noise from the next prediction on (MonoParameters::velocity_noise and rate_noise).
   /// kNonFiniteInput, kInvalidArgument (negative): unchanged.
   Status set_motion_noise(T velocity_noise, T rate_noise);
+  /// Hypotheses of three matches that an update may draw from now on, at most max_triples: for a
+  /// frame that can pay for fewer.
+  void set_triple_limit(int most) { triple_limit_ = most; }
 
   int feature_count() const { return feature_count_; }
   int anchor_count() const { return anchor_count_; }
@@ -250,6 +253,7 @@ class MonoEkf {
   void convert_to_point(Feature& feature);
 
   Parameters parameters_;
+  int triple_limit_ = 1 << 20;
   PinholeCamera<T> camera_;
   Layout layout_;
   T x_[kMaxStates] = {};

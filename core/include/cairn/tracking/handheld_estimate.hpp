@@ -56,12 +56,12 @@ class HandheldEstimate {
   PinholeCamera<float> camera() const { return filter_.camera(); }
   Rigid<float> T_world_camera() const { return filter_.T_world_camera(); }
 
-  /// Most units of work that update() takes with so many matches.
+  /// Most units of work that update() takes with so many matches, hypotheses of three apart: those
+  /// are drawn from what the frame has left.
   int update_work(int matches) const {
     const int most = filter_.parameters().ransac.max_hypotheses;
     return work::mono_update(filter_.state_size(), filter_.feature_count(), matches,
-                             matches < most ? matches : most, matches) +
-           work::mono_triples(filter_.state_size(), matches, filter_.parameters().max_triples);
+                             matches < most ? matches : most, matches);
   }
 
   /// Updates the filter with the matches from `first` on that the frame can pay for; the last ones
@@ -75,6 +75,7 @@ class HandheldEstimate {
 
  private:
   int leave_out(FrameContext& frame, Matches& matches, int first);
+  int affordable_triples(FrameWork& work, int matches) const;
 
   Filter filter_;
   Landmarks landmarks_;
@@ -98,11 +99,20 @@ int HandheldEstimate<MaxFeatures>::leave_out(FrameContext& frame, Matches& match
 }
 
 template <int MaxFeatures>
+int HandheldEstimate<MaxFeatures>::affordable_triples(FrameWork& work, int matches) const {
+  const int most = filter_.parameters().max_triples;
+  const int left = work.budget().left() - update_work(matches);
+  const int each = work::mono_triples(filter_.state_size(), matches, 1);
+  return left <= 0 ? 0 : left / each < most ? left / each : most;
+}
+
+template <int MaxFeatures>
 PixelUpdate HandheldEstimate<MaxFeatures>::update(FrameContext& frame, Matches& matches, int first,
                                                   bool usable) {
   PixelUpdate result;
   if (usable) result.left_out = leave_out(frame, matches, first);
   const int count = usable ? matches.size() - first : 0;
+  filter_.set_triple_limit(affordable_triples(frame.work, count));
   result.status = filter_.update(matches.data() + first, count, frame.random, result.report);
   frame.work.spend(work::mono_update(filter_.state_size(), filter_.feature_count(), count,
                                      result.report.hypotheses, result.report.nis_dof / 2) +

@@ -271,8 +271,9 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int c
     const auto evaluate_three = [&](const int* candidates, bool* inliers) {
       return evaluate_triple(matches, count, candidates, inliers);
     };
-    three_point_ransac(count, parameters_.ransac, parameters_.max_triples, random, evaluate_three,
-                       best);
+    const int most =
+        triple_limit_ < parameters_.max_triples ? triple_limit_ : parameters_.max_triples;
+    three_point_ransac(count, parameters_.ransac, most, random, evaluate_three, best);
   }
   report.hypotheses = best.hypotheses;
   report.triples = best.triples;
