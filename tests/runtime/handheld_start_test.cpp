@@ -27,9 +27,14 @@ class StartOnTrial : public ::testing::Test {
     EXPECT_TRUE(ok(tracker_->initialise(test::to_float(test::small_camera()), parameters)));
   }
 
+  /// With read-out noise of some grey levels, so that no innovation is zero.
   void show(const Image& image, int frames) {
     for (int k = 0; k < frames; ++k) {
-      static_cast<void>(tracker_->process_frame(test::view(image, test::small_camera()),
+      Image exposed = image;
+      for (std::uint8_t& grey : exposed) {
+        if (grey > 0 && grey < 248) grey = static_cast<std::uint8_t>(grey + (noise_.next() >> 29U));
+      }
+      static_cast<void>(tracker_->process_frame(test::view(exposed, test::small_camera()),
                                                 frame_ * kStepUs, TickSource{}, report_));
       ++frame_;
     }
@@ -39,6 +44,7 @@ class StartOnTrial : public ::testing::Test {
   const Image black_ = Image(320 * 240, 0);
   std::unique_ptr<Handheld> tracker_ = std::make_unique<Handheld>();
   FrameReport report_;
+  Random noise_{3};
   int block_ = 0;
   int frame_ = 0;
 };
