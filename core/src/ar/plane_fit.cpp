@@ -9,8 +9,6 @@ namespace {
 constexpr int kMaxSamples = 128;
 constexpr int kRefinementRounds = 3;
 constexpr int kJacobiSweeps = 6;
-constexpr int kAlignmentSteps = 6;
-constexpr float kAlignmentHuber_m = 0.05F;
 /// Share of the longest extent below which points count as lying on a line.
 constexpr float kMinSpread = 1e-2F;
 
