@@ -114,7 +114,7 @@ class PendingOdometry {
   }
 
  private:
-  cairn::FixedVector<cairn::OdometrySample, 16> samples_;
+  cairn::FixedVector<cairn::OdometrySample, 8> samples_;
 };
 
 PendingOdometry odometry;
@@ -181,10 +181,9 @@ int replay(File& file, const Options& options) {
   cairn::Status status = reader.open(header);
   if (!ok(status)) return fail("log", status);
   status = cairn::start_replay(header, tracker);
-  cairn::VirtualObject shape;
-  if (ok(status)) status = cairn::make_cairn(1.0F, shape);
+  if (ok(status)) status = cairn::make_cairn(1.0F, augmenter.shape());
   if (!ok(status)) return fail("start", status);
-  augmenter.initialise(shape, cairn::Augmenter::Parameters{});
+  augmenter.initialise(cairn::Augmenter::Parameters{});
 
   const cairn::MutableImageView image{pixels, header.camera.width, header.camera.height,
                                       header.camera.width};

@@ -21,10 +21,17 @@ class Augmenter {
   /// Starts with no object in view: one is wanted at once.
   void initialise(const VirtualObject& shape, const Parameters& parameters) {
     shape_ = shape;
+    initialise(parameters);
+  }
+  /// The same with the shape as it is: shape() makes it.
+  void initialise(const Parameters& parameters) {
     parameters_ = parameters;
     places_.clear();
     frames_without_ = parameters.frames_without_object;
   }
+
+  /// The shape that is drawn: to be made in place where a copy would not fit the stack.
+  VirtualObject& shape() { return shape_; }
 
   /// Puts an object at a place in the map. kFull.
   Status place(const Rigid<float>& T_map_object) {

@@ -248,7 +248,9 @@ class PlanarSlam {
   void finish_update(int used, UpdateReport& report);
   void widen_refused_landmarks();
 
-  Status check_landmark(const LandmarkVector& p, const LandmarkMatrix& covariance);
+  /// Not inlined: GCC would split it, and its call graph would lose the part that it splits off.
+  __attribute__((noinline)) Status check_landmark(const LandmarkVector& p,
+                                                  const LandmarkMatrix& covariance);
   Status make_room(LandmarkId id, LandmarkId* replaced);
   void enter(LandmarkId id, bool pinned = false);
 
