@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <opencv2/core/utils/logger.hpp>
+#include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -22,6 +23,9 @@ constexpr int kMostFailedFrames = 300;           // one after the other
 constexpr double kConstantRate = 0.1;            // largest deviation from it, in frames
 constexpr double kFramesMissingInSilence = 2.0;  // containers round their durations
 constexpr double kShareMissingInSilence = 0.01;
+
+/// OpenCV 4.6 turns upright videos by a quarter the wrong way round (opencv/opencv#22088).
+constexpr bool kQuarterTurnsAreReversed = CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR == 6;
 
 /// Numbers and times of a video's frames, from the container's times.
 class ContainerClock {
@@ -93,6 +97,7 @@ class VideoMedia final : public Media {
     } else {
       cv::cvtColor(colour_, grey, cv::COLOR_BGR2GRAY);
     }
+    if (turned_wrongly_) cv::rotate(grey, grey, cv::ROTATE_180);
     if (grey.size() != size_) refuse_size(grey.size());
     return true;
   }
@@ -126,6 +131,8 @@ class VideoMedia final : public Media {
     const cv::Size stated(static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_WIDTH)),
                           static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_HEIGHT)));
     if (stated != size_ && !stated.empty()) refuse_size(stated);
+    const int turn = static_cast<int>(capture_.get(cv::CAP_PROP_ORIENTATION_META));
+    turned_wrongly_ = kQuarterTurnsAreReversed && (turn == 90 || turn == 270);
     const double rate = capture_.get(cv::CAP_PROP_FPS);
     info_.rate_hz = rate >= 0.1 && rate <= 1000.0 ? rate : kRateWithoutAny_hz;
     return ContainerClock(info_.rate_hz);
@@ -177,6 +184,7 @@ class VideoMedia final : public Media {
   cv::Size size_;
   FrameRange range_;
   MediaInfo info_;
+  bool turned_wrongly_ = false;
   cv::VideoCapture capture_;
   ContainerClock clock_;
   std::optional<int> announced_;

@@ -14,8 +14,11 @@ namespace cairn::host {
 /// variable rate, as phones make them. `frames` are taken in turn.
 class QuickTimeFile {
  public:
-  QuickTimeFile(const std::vector<cv::Mat>& frames, const std::vector<int>& durations_ms)
-      : size_(frames.front().size()) {
+  /// `turned`: the file says that its pictures are to be shown turned by a quarter, as upright
+  /// phones do.
+  QuickTimeFile(const std::vector<cv::Mat>& frames, const std::vector<int>& durations_ms,
+                bool turned = false)
+      : size_(frames.front().size()), turned_(turned) {
     for (std::size_t i = 0; i < durations_ms.size(); ++i) {
       std::vector<unsigned char> jpeg;
       cv::imencode(".jpg", frames[i % frames.size()], jpeg);
@@ -51,8 +54,8 @@ class QuickTimeFile {
                     box("minf", full("vmhd", number(0, 8)) + reference + table));
     const std::string track_header =
         box("tkhd", number(7, 4) + number(0, 8) + number(1, 4) + number(0, 4) + number(total_, 4) +
-                        number(0, 16) + identity() + number(width() << 16U, 4) +
-                        number(height() << 16U, 4));
+                        number(0, 16) + (turned_ ? quarter_turn() : identity()) +
+                        number(width() << 16U, 4) + number(height() << 16U, 4));
     const std::string header = full("mvhd", number(0, 8) + number(1000, 4) + number(total_, 4) +
                                                 number(65536, 4) + number(256, 2) + number(0, 10) +
                                                 identity() + number(0, 24) + number(2, 4));
@@ -77,6 +80,10 @@ class QuickTimeFile {
     return number(65536, 4) + number(0, 12) + number(65536, 4) + number(0, 12) +
            number(0x40000000, 4);
   }
+  static std::string quarter_turn() {
+    return number(0, 4) + number(65536, 4) + number(0, 4) + number(0xFFFF0000U, 4) + number(0, 16) +
+           number(0x40000000, 4);
+  }
   std::uint32_t width() const { return static_cast<std::uint32_t>(size_.width); }
   std::uint32_t height() const { return static_cast<std::uint32_t>(size_.height); }
   std::string entry() const {
@@ -87,6 +94,7 @@ class QuickTimeFile {
   }
 
   cv::Size size_;
+  bool turned_;
   std::vector<std::string> jpegs_;
   std::string steps_;
   std::uint32_t total_ = 0;

@@ -153,6 +153,34 @@ TEST(VideoSource, FramesOfAVariableRateKeepTheirTimes) {
   EXPECT_FALSE(ran.info.damaged);
 }
 
+TEST(VideoSource, AnUprightVideoIsTurnedAndNeedsItsCalibration) {
+  const TemporaryFolder folder;
+  cv::Mat image(240, 320, CV_8UC1, cv::Scalar(0));
+  image.colRange(0, 100).setTo(255);  // the left: after a quarter to the right, the top
+  const auto path = folder.path() / "upright.mov";
+  QuickTimeFile({image}, std::vector<int>(3, 33), true).write(path);
+  VideoOptions options = video(folder, path);
+  EXPECT_TRUE(says(message_of([&] { make_video_source(options); }),
+                   {"upright.mov", "320x240", "found 240x320", "before it is turned"}));
+  options.camera =
+      folder.write("upright.yaml", "fx: 250\nfy: 250\ncx: 120\ncy: 160\nwidth: 240\nheight: 320\n");
+  const auto source = make_video_source(options);
+  Frame frame;
+  ASSERT_TRUE(source->next(frame));
+  EXPECT_GT(frame.grey.at<std::uint8_t>(20, 120), 250);
+  EXPECT_LT(frame.grey.at<std::uint8_t>(300, 120), 5);
+}
+
+TEST(VideoSource, TimesOfAContainerThatStandStillAreRefused) {
+  const TemporaryFolder folder;
+  std::vector<int> durations(20, 33);
+  durations[9] = 0;
+  const auto path = folder.path() / "still.mov";
+  QuickTimeFile(noise_frames(), durations).write(path);
+  EXPECT_TRUE(says(message_of([&] { run(video(folder, path)); }),
+                   {"still.mov", "0.297 s for frame 10", "--times"}));
+}
+
 TEST(VideoSource, AVideoThatEndsEarlyIsSaidToBeDamaged) {
   const TemporaryFolder folder;
   std::string bytes = QuickTimeFile(noise_frames(), std::vector<int>(40, 33)).bytes();
