@@ -5,7 +5,7 @@
 namespace cairn {
 namespace {
 
-constexpr int kRadialSteps = 24;     // bisection alone would halve the bracket as often
+constexpr int kRadialSteps = 16;     // the most that random lenses take is 12
 constexpr int kTangentialSteps = 4;  // Newton: tangential terms are small beside the radial ones
 constexpr int kBorderPoints = 8;     // corners and middles of the sides
 template <class T>
@@ -32,21 +32,25 @@ class RadialModel {
   bool is_before_fold(T r2) const { return r2 < fold_after_r2_ && slope(r2) > T(0); }
 
   /// Radius with d(r) = `distorted`; false where the lens folds before it. Newton's method inside
-  /// a bracket.
+  /// a bracket that at most doubles.
   bool invert(T distorted, T& r) const {
     T low = T(0);
-    T high = T(0);
-    bool bracketed = false;  // high is set
-    r = distorted;
+    T high = fold_after_r2_ < kNoFold ? sqrt(fold_after_r2_) : T(0);
+    bool bracketed = high > T(0);
+    r = bracketed && distorted >= high ? T(0.5) * high : distorted;
     for (int i = 0; i < kRadialSteps; ++i) {
       const T r2 = r * r;
-      T next = T(2) * r;
+      T next = high;
       if (is_before_fold(r2)) {
         const T excess = r * factor(r2) - distorted;
         next = r - excess / slope(r2);
-        if (abs(next - r) <= kPrecision * r) return true;
+        if (abs(next - r) <= kPrecision * r) {
+          r = next;
+          return true;
+        }
         (excess > T(0) ? high : low) = r;
         bracketed = bracketed || excess > T(0);
+        if (next > T(2) * r) next = T(2) * r;
       } else {
         high = r;
         bracketed = true;
@@ -54,11 +58,13 @@ class RadialModel {
       const bool inside = next > low && (!bracketed || next < high);
       r = inside ? next : T(0.5) * (low + high);
     }
-    return is_before_fold(r * r) && abs(r * factor(r * r) - distorted) <= T(1e-5) * distorted;
+    return false;
   }
 
  private:
-  static constexpr T kPrecision = sizeof(T) == sizeof(float) ? T(3e-7) : T(1e-13);
+  static constexpr T kNoFold = T(1e6);  // rays beyond this r^2 are sideways
+  /// Of a step; the error after it is about its square.
+  static constexpr T kPrecision = sizeof(T) == sizeof(float) ? T(1e-5) : T(1e-9);
 
   void note_dip(T numerator, T denominator) {
     if (denominator == T(0)) return;
@@ -67,7 +73,7 @@ class RadialModel {
   }
 
   T k1_, k2_, k3_;
-  T fold_after_r2_ = T(1e6);  ///< the slope is not above zero here; rays beyond are sideways
+  T fold_after_r2_ = kNoFold;  ///< the slope is not above zero here
 };
 
 /// Distorts (x, y) at depth 1, with the derivative. Says nothing about folds.
@@ -116,15 +122,20 @@ bool add_tangential(const PinholeCamera<T>& camera, const Vector2<T>& distorted,
 }  // namespace
 
 template <class T>
-Status PinholeCamera<T>::validate() const {
+Status PinholeCamera<T>::check_numbers() const {
   const T values[] = {fx, fy, cx, cy, k1, k2, p1, p2, k3};
   for (const T v : values) {
     if (!is_finite(v)) return Status::kBadConfig;
   }
   const bool good = fx > T(0) && fy > T(0) && width > 0 && height > 0 && cx >= T(0) && cy >= T(0) &&
                     cx < static_cast<T>(width) && cy < static_cast<T>(height);
-  if (!good) return Status::kBadConfig;
-  if (!has_distortion()) return Status::kOk;
+  return good ? Status::kOk : Status::kBadConfig;
+}
+
+template <class T>
+Status PinholeCamera<T>::validate() const {
+  const Status status = check_numbers();
+  if (!ok(status) || !has_distortion()) return status;
   const T right = static_cast<T>(width - 1);
   const T bottom = static_cast<T>(height - 1);
   const Vector2<T> border[kBorderPoints] = {{T(0), T(0)},    {right, T(0)}, {T(0), bottom},

@@ -43,7 +43,7 @@ Status check(const Problem<T>& problem) {
     }
     if (!(m.sigma_px > T(0))) return Status::kInvalidArgument;
   }
-  return problem.camera.validate();
+  return problem.camera.check_numbers();
 }
 
 /// Three distinct indices below `count`.

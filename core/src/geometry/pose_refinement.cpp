@@ -62,7 +62,7 @@ Status check(const Problem<T>& problem) {
     if (!finite3(o.p_world) || !is_finite(sum)) return Status::kNonFiniteInput;
     if (!(o.sigma_px > T(0))) return Status::kInvalidArgument;
   }
-  return problem.camera.validate();
+  return problem.camera.check_numbers();
 }
 
 /// Inverse of the pixel noise of an observation: measurement noise plus the projected covariance.

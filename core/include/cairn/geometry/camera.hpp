@@ -29,6 +29,10 @@ struct PinholeCamera {
   /// itself inside the image is no description of a lens. Cost: eight undistortions.
   Status validate() const;
 
+  /// kBadConfig as validate(), of the numbers alone: what code that is called in every frame checks
+  /// of a camera that was validated before.
+  Status check_numbers() const;
+
   bool contains(const Vector2<T>& pixel, T margin_px = T(0)) const {
     return pixel.x() >= margin_px && pixel.y() >= margin_px &&
            pixel.x() <= static_cast<T>(width - 1) - margin_px &&
@@ -46,7 +50,7 @@ struct PinholeCamera {
   /// Point at depth 1 (x, y, 1) seen at `pixel`, distortion removed; it projects to `pixel` again
   /// within 0.05 px (double: 1e-3 px where |p1|, |p2| <= 0.02). kOutOfView where no ray has this
   /// pixel; `ray` is then the outermost one in its direction. Inside the image of a camera that
-  /// validate() accepts there always is one. Cost: at most 24 + 4 steps of Newton's method.
+  /// validate() accepts there always is one. Cost: at most 16 + 4 steps of Newton's method.
   Status unproject(const Vector2<T>& pixel, Vector3<T>& ray) const;
 
   /// The same ray without the status.
