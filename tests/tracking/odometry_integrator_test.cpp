@@ -201,6 +201,15 @@ TEST_F(AVehicleWithOdometry, TrustsWheelsLessThatAnImageShowsToSlip) {
   EXPECT_NEAR(filter_.pose_covariance()(0, 0) - before, square(0.1F), 1e-4F);
 }
 
+TEST_F(AVehicleWithOdometry, ForgetsASlipWithTimeAlsoWithoutAnImage) {
+  for (int k = 1; k <= 10; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
+  odometry_.note_image_update(-0.1F, 0.1F);
+  for (int k = 11; k <= 60; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
+  const float before = filter_.pose_covariance()(0, 0);
+  ASSERT_TRUE(ok(add(61 * kPeriodUs, 1.0F)));
+  EXPECT_NEAR(filter_.pose_covariance()(0, 0) - before, square(0.01F), 5e-5F);
+}
+
 TEST_F(AVehicleWithOdometry, CountsFromTheFirstInputWhereverItsClockStands) {
   constexpr std::int64_t kEpochUs = 1700000000000000;
   ASSERT_TRUE(ok(add(kEpochUs, 1.0F)));

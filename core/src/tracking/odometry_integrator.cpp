@@ -98,12 +98,16 @@ bool OdometryIntegrator::is_glitch(const OdometrySample& sample) {
   return true;
 }
 
+/// With time, seen or not: what the wheels did a while ago says little about now.
+void OdometryIntegrator::fade_slip(float step_s) {
+  constexpr float kLasts_s = 0.5F;
+  slip_mps_ *= kLasts_s / (kLasts_s + step_s);
+}
+
 void OdometryIntegrator::note_image_update(float ahead_m, float step_s) {
   constexpr float kFarInSigmas = 3.0F;
-  constexpr float kLasts_s = 0.5F;
   corrected_us_ = time_us_;
   if (!(step_s > 0.0F)) return;
-  slip_mps_ *= kLasts_s / (kLasts_s + step_s);
   // Wheels that slip are wrong by about the vehicle's speed; more was an error of the pose before.
   const float most = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
   const float seen = abs(ahead_m) / step_s;

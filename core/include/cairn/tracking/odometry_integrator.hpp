@@ -84,6 +84,7 @@ class OdometryIntegrator {
   void count_from(std::int64_t t_us);
   Status check(const OdometrySample& sample, Health& health) const;
   bool is_glitch(const OdometrySample& sample);
+  void fade_slip(float step_s);
   float seconds_since_sample(std::int64_t t_us) const;
   Motion motion_over(const OdometrySample& reading, float dt_s) const;
   float sigma_speed(float scale) const;
@@ -148,6 +149,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
     const Status moved = filter.predict(increment);
     if (!ok(moved)) return moved;
     yaw_variance_ += increment.covariance(1, 1);
+    fade_slip(step_s);
   }
   if (glitch) return Status::kGated;
   return gap ? Status::kTimeGap : Status::kOk;
@@ -176,6 +178,7 @@ Status OdometryIntegrator::integrate_to(std::int64_t t_us, Filter& filter, Healt
     status = filter.predict(increment);
     if (ok(status)) yaw_variance_ += increment.covariance(1, 1);
   }
+  fade_slip(to_s - from_s);
   const Drift drift = drift_between(from_s, to_s);
   if (drift.position > 0.0F || drift.heading > 0.0F) {
     const Status widened = filter.widen_pose(drift.position, drift.heading);
