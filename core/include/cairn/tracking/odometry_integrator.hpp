@@ -69,6 +69,11 @@ class OdometryIntegrator {
   void note_image_update(float ahead_m, float step_s);
 
   float speed_mps() const { return motion_.speed_mps; }
+  /// Whether the newest sample is exactly no motion.
+  bool at_rest() const {
+    return motion_.speed_mps == 0.0F &&
+           (motion_.kind == OdometrySample::Kind::kAckermann || motion_.turn == 0.0F);
+  }
   /// Variance of the yaw increment since the last forget_yaw(), rad^2.
   float yaw_variance() const { return yaw_variance_; }
   void forget_yaw() { yaw_variance_ = 0.0F; }

@@ -61,7 +61,8 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
   Status status = predict(t_us);
   timer.end(Stage::kPosePrediction);
   begin(image);
-  const bool repeated = repeated_.take(image);
+  // Compressed video of a vehicle at rest repeats its bytes too: the filter knows that as rest.
+  const bool repeated = repeated_.take(image) && !odometry_.at_rest();
   timer.end(Stage::kPreprocess);
   if (repeated) {
     status = pass_over(status);
