@@ -17,7 +17,7 @@ void print_capacities(const char* name) {
   fmt::print(
       "  {:<8} image {}x{}, {} landmarks, {} handheld features, {} archived, {} candidates\n", name,
       Config::kMaxImageWidth, Config::kMaxImageHeight, Config::kMaxLandmarks, Config::kMaxFeatures,
-      Config::kLibraryLandmarks, Config::kMaxCandidates);
+      Config::kLibraryLandmarks, Config::kMaxSeeds);
 }
 
 void print_info() {

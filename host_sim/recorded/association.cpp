@@ -68,7 +68,7 @@ bool Associator::feed_tentative(const Eigen::Vector2d& world, double t_s) {
   }
   nearest->position = world;
   nearest->last_seen_s = t_s;
-  if (++nearest->sightings < parameters_.promote_after) return false;
+  if (++nearest->sightings < parameters_.confirm_after) return false;
   *nearest = tentative_.back();
   tentative_.pop_back();
   return true;
@@ -125,7 +125,7 @@ AssociatedScan Associator::associate(const RecordedScan& scan, const Recording& 
       ++result.ambiguous;
     } else if (feed_tentative(world[i], scan.t_s)) {
       observations[i].id = next_id_++;
-      result.promoted.push_back(observations[i]);
+      result.confirmed.push_back(observations[i]);
     }
   }
   return result;

@@ -13,7 +13,7 @@ struct AssociationParameters {
   double search_radius_m = 8.0;  ///< landmarks farther from the sighting are not looked at
   int most_candidates = 8;       ///< hypotheses per sighting, nearest first
   double tentative_radius_m = 1.0;
-  int promote_after = 4;        ///< sightings of a tentative landmark before it enters the state
+  int confirm_after = 4;        ///< sightings of a tentative landmark before it enters the state
   double forget_after_s = 2.0;  ///< without a sighting
   int most_tentative = 64;
   double largest_range_m = 35.0;
@@ -29,7 +29,7 @@ struct TentativeLandmark {
 /// What a scan means for the filter.
 struct AssociatedScan {
   std::vector<RangeBearingObservation<double>> known;
-  std::vector<RangeBearingObservation<double>> promoted;  ///< new landmarks with fresh identities
+  std::vector<RangeBearingObservation<double>> confirmed;  ///< new landmarks with fresh identities
   int ambiguous = 0;
 };
 

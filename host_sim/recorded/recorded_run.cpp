@@ -142,14 +142,14 @@ class Runner {
     if (recording_.known_landmarks) {
       for (const auto& sighting : scan.sightings) {
         const auto observation = to_observation(sighting, recording_.noise);
-        (filter_->knows(observation.id) ? associated.known : associated.promoted)
+        (filter_->knows(observation.id) ? associated.known : associated.confirmed)
             .push_back(observation);
       }
     } else {
       associated = associator_.associate(scan, recording_, *filter_);
       run_.ambiguous += associated.ambiguous;
     }
-    for (auto* list : {&associated.known, &associated.promoted}) {
+    for (auto* list : {&associated.known, &associated.confirmed}) {
       for (auto& observation : *list) {
         observation.sigma_range *= options_.noise_scale;
         observation.sigma_bearing *= options_.noise_scale;
@@ -163,7 +163,7 @@ class Runner {
       step_.matches = report.matches;
       step_.used = report.nis_dof / 2;
     }
-    for (const auto& observation : associated.promoted) {
+    for (const auto& observation : associated.confirmed) {
       if (filter_->knows(observation.id)) continue;  // seen twice in its first scan
       Eigen::Vector2d point;
       Eigen::Matrix2d covariance;

@@ -164,9 +164,9 @@ ExitCode run_starry_night(const RunOptions& options, const std::string& folder) 
   }
   MonoParameters<float> parameters;
   // Landmarks come with their names: no match is wrong, and at 11 Hz one match does not tell where
-  // the others are. So every match supports every hypothesis.
-  parameters.ransac.min_support = 1;
-  parameters.support_gate = 1e6F;
+  // the others are. So every match is an inlier of every hypothesis.
+  parameters.ransac.min_inliers = 1;
+  parameters.inlier_gate = 1e6F;
   set_fading(options.fading, parameters);
   parameters.sigma_px = static_cast<float>(handheld.sigma_px.value_or(kSigmaPx));
   parameters.estimate_focal_length = handheld.estimate_focal_length;
@@ -199,9 +199,10 @@ ExitCode run_starry_night(const RunOptions& options, const std::string& folder) 
   manifest.config = "20 features";
   manifest.inputs = nlohmann::json::array({folder});
   write_manifest(options.out, manifest);
-  fmt::print("starry-night: {} of {} frames with support, ATE (Sim(3)) {} m, {:.0f} us a frame\n",
-             run.tracked, frames, evaluation ? fmt::format("{:.3f}", evaluation->ate_rmse_m) : "-",
-             run.filter_us);
+  fmt::print(
+      "starry-night: {} of {} frames with a consensus, ATE (Sim(3)) {} m, {:.0f} us a frame\n",
+      run.tracked, frames, evaluation ? fmt::format("{:.3f}", evaluation->ate_rmse_m) : "-",
+      run.filter_us);
   return ExitCode::kOk;
 }
 

@@ -161,7 +161,7 @@ void write_frames(const std::filesystem::path& folder, const RunRecord& record,
   frames.print("{}", kFramesHeader);
   tracking.print(
       "frame,t_us,state,searched,hypotheses,low_innovation,high_innovation,gated,added,removed,"
-      "reentered,from_library,relocalised,nis,nis_dof,nees\n");
+      "reactivated,from_library,relocalised,nis,nis_dof,nees\n");
   for (std::size_t i = 0; i < record.frames.size(); ++i) {
     const FrameRecord& frame = record.frames[i];
     const FrameReport& r = frame.report;
@@ -172,7 +172,7 @@ void write_frames(const std::filesystem::path& folder, const RunRecord& record,
                  field(registration.frame_px[i]));
     tracking.print("{},{},{},{},{},{},{},{},{},{},{},{},{},{:.4f},{},{}\n", frame.number, r.t_us,
                    to_string(r.state), r.searched, r.update.hypotheses, r.update.low_innovation,
-                   r.update.high_innovation, r.update.gated, r.added, r.removed, r.reentered,
+                   r.update.high_innovation, r.update.gated, r.added, r.removed, r.reactivated,
                    r.from_library, r.relocalised ? 1 : 0, r.update.nis, r.update.nis_dof,
                    field(frame.nees));
   }
@@ -296,7 +296,7 @@ json to_json(const Health& h) {
           {"resets", h.resets},
           {"losses", h.losses},
           {"landmarks_archived", h.landmarks_archived},
-          {"landmarks_reentered", h.landmarks_reentered},
+          {"landmarks_reactivated", h.landmarks_reactivated},
           {"map_messages_dropped", h.map_messages_dropped},
           {"relocalisations", h.relocalisations},
           {"false_relocalisations_refused", h.false_relocalisations_refused},

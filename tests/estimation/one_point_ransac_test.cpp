@@ -26,12 +26,12 @@ struct Clustered {
 
   int operator()(int candidate, bool* inliers) {
     ++calls;
-    int support = 0;
+    int inlier_count = 0;
     for (int i = 0; i < count; ++i) {
       inliers[i] = candidate < good ? i < good : i == candidate;
-      support += inliers[i] ? 1 : 0;
+      inlier_count += inliers[i] ? 1 : 0;
     }
-    return support;
+    return inlier_count;
   }
 };
 
@@ -41,7 +41,7 @@ TEST(OnePointRansac, LoopShortensOnceAGoodHypothesisIsFound) {
   const auto result = one_point_ransac<32>(20, {}, random, all_good);
   EXPECT_EQ(all_good.calls, 1);
   EXPECT_TRUE(result.consensus);
-  EXPECT_EQ(result.support, 20);
+  EXPECT_EQ(result.inlier_count, 20);
 }
 
 TEST(OnePointRansac, FindsTheClusterAmongHalfOutliersInEverySeed) {
@@ -72,7 +72,7 @@ TEST(OnePointRansac, CandidatesAreDrawnOnceEach) {
 TEST(ThreePointRansac, DrawsDifferentCandidatesAndKeepsTheBest) {
   Random random(3);
   OnePointRansacResult<16> best;
-  best.support = 4;
+  best.inlier_count = 4;
   int calls = 0;
   auto evaluate = [&](const int* candidates, bool* inliers) {
     ++calls;
@@ -89,7 +89,7 @@ TEST(ThreePointRansac, DrawsDifferentCandidatesAndKeepsTheBest) {
   three_point_ransac<16>(12, {}, 10, random, evaluate, best);
   EXPECT_EQ(best.triples, calls);
   EXPECT_EQ(calls, 10);
-  EXPECT_EQ(best.support, 6);
+  EXPECT_EQ(best.inlier_count, 6);
   EXPECT_TRUE(best.consensus);
 
   OnePointRansacResult<16> two;
@@ -101,7 +101,7 @@ TEST(ThreePointRansac, DrawsDifferentCandidatesAndKeepsTheBest) {
   EXPECT_EQ(sure.triples, 1);
 }
 
-TEST(OnePointRansac, SmallSupportIsNoConsensus) {
+TEST(OnePointRansac, FewInliersAreNoConsensus) {
   Random random(1);
   Clustered four{4, 4};
   EXPECT_FALSE(one_point_ransac<8>(4, {}, random, four).consensus);

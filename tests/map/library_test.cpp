@@ -50,7 +50,7 @@ void expect_neighbours_agree_with_brute_force(const Library& library) {
   }
 }
 
-TEST(LandmarkScore, GrowsWithReliabilitySupportAndPrecision) {
+TEST(LandmarkScore, GrowsWithReliabilitySightingsAndPrecision) {
   LandmarkMaker maker(1);
   auto l = twin(maker, 1);
   const int base = landmark_score(l);

@@ -18,8 +18,8 @@ using test::MonoScene;
 /// No RANSAC decision and no conversion to points, so that the filter does what the reference does.
 MonoParameters<double> plain_parameters() {
   MonoParameters<double> parameters;
-  parameters.ransac.min_support = 1;
-  parameters.support_gate = 1e12;
+  parameters.ransac.min_inliers = 1;
+  parameters.inlier_gate = 1e12;
   parameters.depth_from_map = false;
   parameters.min_inverse_depth = 1e-12;
   return parameters;

@@ -34,7 +34,7 @@ class CameraDrive {
     T_vehicle_camera_.translation = {T(kCamera_m[0]), T(0), T(kCamera_m[1])};
     parameters.reacquire_after = 0;
     parameters.gate = T(18.42);
-    parameters.ransac.min_support = 2;
+    parameters.ransac.min_inliers = 2;
     const Matrix3<T> start = Vector3<T>(T(1e-4), T(1e-4), T(1e-4)).asDiagonal();
     good_ = ok(filter_.initialise({}, start, parameters));
     std::uniform_real_distribution<double> uniform(0.0, 1.0);

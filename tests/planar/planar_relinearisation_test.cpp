@@ -24,7 +24,7 @@ class Relinearisation : public ::testing::Test {
 
   void SetUp() override {
     PlanarParameters<double> parameters;
-    parameters.ransac.min_support = 1;
+    parameters.ransac.min_inliers = 1;
     const Matrix3<double> known = 1e-10 * Matrix3<double>::Identity();
     ASSERT_TRUE(ok(filter_.initialise({}, known, parameters)));
     const Matrix3<double> noise = 1e-8 * Matrix3<double>::Identity();

@@ -102,7 +102,7 @@ TEST_F(HandheldWithoutSight, FindsItsPlaceInTheLibraryAndKeepsItsScale) {
   EXPECT_TRUE(relocalised_);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
   EXPECT_EQ(tracker_->health().relocalisations, 1U);
-  EXPECT_GE(tracker_->health().landmarks_reentered, 8U);
+  EXPECT_GE(tracker_->health().landmarks_reactivated, 8U);
   expect_the_pose_of_then();
 }
 

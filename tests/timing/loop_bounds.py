@@ -22,13 +22,13 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 
 # Calls in one frame that the counts of the configuration limit: (function, file, bound).
 STAGES = [
-    ("search_landmark", "tracking/active_search", "40 + kMaxCandidates", "max_searches, and each seed once"),
+    ("search_landmark", "tracking/active_search", "40 + kMaxSeeds", "max_searches, and each seed once"),
     ("best_corner", "tracking/feature_supply", "12", "cells_per_frame"),
     ("take_converged", "tracking/seed_pool", "4", "max_new_landmarks_per_frame"),
     ("follow", "tracking/seed_pool", "1", "one step of the pool"),
     ("search_landmarks", "tracking/landmark_search", "1", "one plan"),
-    ("detect_fast", "vision/", "40 + 12 + kMaxCandidates", "searches, cells, seeds"),
-    ("describe_freak", "vision/", "40 * kMaxCorners + 16 + kMaxCandidates * kMaxCorners", "corners described"),
+    ("detect_fast", "vision/", "40 + 12 + kMaxSeeds", "searches, cells, seeds"),
+    ("describe_freak", "vision/", "40 * kMaxCorners + 16 + kMaxSeeds * kMaxCorners", "corners described"),
 ]
 # What an input is there to drive: (file, head of the loop, least count of its body in a frame, input).
 PURPOSES = [("map/library_matcher", "next_slot_ < library.size()", 100, "lost-full-library-vehicle")]

@@ -175,7 +175,7 @@ class Trial {
  public:
   explicit Trial(Counters& counters) : counters_(counters) {}
 
-  /// Dearest attacked frame.
+  /// Most expensive attacked frame.
   std::uint64_t cost(const StressScene& scene) {
     const StressRenderer renderer(scene);
     const std::string key = warm_key(scene);

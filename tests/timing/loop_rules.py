@@ -11,7 +11,7 @@ CONSTANTS = {
     "kMonoStates": "14 + 3 * (kMaxFeatures + kMaxAnchors)",  # MonoEkf::kMaxStates
     "kMaxAnchors": "kMaxFeatures // 5",
     "kVehicleStates": "3 + 3 * kMaxLandmarks",               # GroupIekfSlam, LandmarkDim 3
-    "kSeedStates": "2 + 2 * kMaxKeyframes + kMaxCandidates",
+    "kSeedStates": "2 + 2 * kMaxKeyframes + kMaxSeeds",
     "kCellWidth": "kMaxImageWidth // 8 + 1",                 # FeatureSupply
     "kCellHeight": "kMaxImageHeight // 6 + 1",
     "kWindow": "2 * 24 + 1",                                 # SearchParameters::kMaxHalfWindow
@@ -65,14 +65,14 @@ RULES = [
     (r"tracking/handheld_map_reuse", r".*engine_.*", "kPlaceSteps"),
     (r"tracking/vehicle_local_map", r".*max_new_landmarks.*", "4"),
     (r"tracking/(vehicle|handheld)_local_map", r".*found.*", "kCells"),
-    (r"tracking/vehicle_local_map", r".*seeds_.*", "kMaxCandidates"),
+    (r"tracking/vehicle_local_map", r".*seeds_.*", "kMaxSeeds"),
     (r"tracking/vehicle_local_map", r".*keyframes_.*", "kMaxKeyframes"),
     (r"tracking/(vehicle_|handheld_|landmark_measurement|tracked_landmarks)", r".*", "kMaxLandmarks"),
     (r"runtime/", r".*", "kMaxLandmarks"),
     (r"tracking/depth_filter", r".*", "kSeedStates"),
     (r"tracking/seed_(pool|odometry)", r".*[Kk]eyframe.*", "kMaxKeyframes"),
     (r"tracking/seed_(pool|odometry)", r".*step : steps.*", "4"),
-    (r"tracking/seed_(pool|odometry)", r".*", "kMaxCandidates"),
+    (r"tracking/seed_(pool|odometry)", r".*", "kMaxSeeds"),
     (r"tracking/expected_search", r".*", "kMaxNear"),
     (r"tracking/feature_supply", r".*counts_.*|.*kCells.*", "kCells"),
     (r"tracking/feature_supply", r".*fast.*", "kCornersPerCell"),

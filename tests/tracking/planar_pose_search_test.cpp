@@ -50,7 +50,7 @@ class LostVehicle : public ::testing::Test {
   }
   Status search(PlanarPose<float>& pose) {
     return find_planar_pose(view(), prior_, sightings_, count_, PlanarPoseOptions{}, pose,
-                            support_);
+                            inlier_count_);
   }
 
   PinholeCamera<float> camera_;
@@ -59,7 +59,7 @@ class LostVehicle : public ::testing::Test {
   PlanarPrior prior_;
   PlanarSighting sightings_[PlanarPoseOptions::kMaxSightings];
   int count_ = 0;
-  int support_ = -1;
+  int inlier_count_ = -1;
   Random random_{7};
 };
 
@@ -129,7 +129,7 @@ TEST_F(LostVehicle, RefusesWhatItCannotUse) {
   prior_.covariance(2, 2) = 0.0F;
   EXPECT_EQ(search(pose), Status::kSingular);
   EXPECT_EQ(pose.heading, 42.0F);
-  EXPECT_EQ(support_, -1);
+  EXPECT_EQ(inlier_count_, -1);
 }
 
 }  // namespace

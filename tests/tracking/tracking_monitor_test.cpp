@@ -41,25 +41,25 @@ class AVehicleThatTracks : public AMonitor {
 
 TEST_F(AVehicleThatTracks, TakesFewOfManyForChance) {
   EXPECT_EQ(monitor_.state(), TrackingState::kTracking);
-  EXPECT_FALSE(monitor_.worth_an_update(counts(40, 3)));
-  EXPECT_TRUE(monitor_.worth_an_update(counts(40, 4)));
+  EXPECT_FALSE(monitor_.enough_matches(counts(40, 3)));
+  EXPECT_TRUE(monitor_.enough_matches(counts(40, 4)));
 }
 
 TEST_F(AVehicleThatTracks, AsksForMoreMatchesAfterWeakFrames) {
   judge(counts(40, 0));
-  EXPECT_TRUE(monitor_.worth_an_update(counts(40, 4)));
+  EXPECT_TRUE(monitor_.enough_matches(counts(40, 4)));
   judge(counts(40, 0));
-  EXPECT_FALSE(monitor_.worth_an_update(counts(40, 11)));
-  EXPECT_TRUE(monitor_.worth_an_update(counts(40, 12)));
-  EXPECT_FALSE(monitor_.worth_an_update(counts(10, 5)));
-  EXPECT_TRUE(monitor_.worth_an_update(counts(10, 6)));
+  EXPECT_FALSE(monitor_.enough_matches(counts(40, 11)));
+  EXPECT_TRUE(monitor_.enough_matches(counts(40, 12)));
+  EXPECT_FALSE(monitor_.enough_matches(counts(10, 5)));
+  EXPECT_TRUE(monitor_.enough_matches(counts(10, 6)));
 }
 
 TEST_F(AVehicleThatTracks, IsUncertainAfterFramesThatDidNotComeButNotLost) {
   monitor_.note_blind_frames(1000);
   EXPECT_EQ(monitor_.state(), TrackingState::kUncertain);
   EXPECT_EQ(monitor_.weak_frames(), 60);
-  EXPECT_FALSE(monitor_.worth_an_update(counts(40, 11)));
+  EXPECT_FALSE(monitor_.enough_matches(counts(40, 11)));
   judge(counts(40, 32, 30));
   EXPECT_EQ(monitor_.state(), TrackingState::kTracking);
   monitor_.note_blind_frames(1000);
@@ -68,12 +68,12 @@ TEST_F(AVehicleThatTracks, IsUncertainAfterFramesThatDidNotComeButNotLost) {
 }
 
 TEST_F(AVehicleThatTracks, AsksForHalfOfTheMeanRatioOrNearlyAllMatches) {
-  EXPECT_EQ(monitor_.min_support(counts(40, 30), 2), 15);
-  EXPECT_EQ(monitor_.min_support(counts(40, 10), 2), 8);
-  EXPECT_EQ(monitor_.min_support(counts(40, 2), 2), 4);
-  EXPECT_EQ(monitor_.min_support(counts(40, 30), 20), 20);
+  EXPECT_EQ(monitor_.min_inliers(counts(40, 30), 2), 15);
+  EXPECT_EQ(monitor_.min_inliers(counts(40, 10), 2), 8);
+  EXPECT_EQ(monitor_.min_inliers(counts(40, 2), 2), 4);
+  EXPECT_EQ(monitor_.min_inliers(counts(40, 30), 20), 20);
   monitor_.forget_mean();
-  EXPECT_EQ(monitor_.min_support(counts(40, 30), 2), 2);
+  EXPECT_EQ(monitor_.min_inliers(counts(40, 30), 2), 2);
 }
 
 TEST_F(AVehicleThatTracks, IsLostAfterSixtyWeakFramesAndOnce) {
@@ -103,8 +103,8 @@ TEST_F(AVehicleThatTracks, ConfirmsAPlaceBySevenTenthsOfIt) {
   EXPECT_FALSE(monitor_.confirms_place(13, 20));
   EXPECT_TRUE(monitor_.confirms_place(14, 20));
   EXPECT_FALSE(monitor_.confirms_place(5, 5));
-  EXPECT_EQ(monitor_.min_place_support(14), 10);
-  EXPECT_EQ(monitor_.min_place_support(7), 6);
+  EXPECT_EQ(monitor_.min_relocalisation_inliers(14), 10);
+  EXPECT_EQ(monitor_.min_relocalisation_inliers(7), 6);
 }
 
 TEST_F(AVehicleThatTracks, AnErrorOfTheFrameIsItsStatusUnlessLost) {

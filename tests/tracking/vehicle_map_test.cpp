@@ -126,7 +126,7 @@ TEST_F(MapOfAVehicle, ReactivatesALandmarkOfTheLibrary) {
   EXPECT_TRUE(landmark->from_library);
   EXPECT_TRUE(landmark->stored);
   EXPECT_FALSE(landmark->appearance.has_patch);
-  EXPECT_EQ(report_.reentered, 1);
+  EXPECT_EQ(report_.reactivated, 1);
   EXPECT_FALSE(archive_.reactivate(f, *estimate_, archived(50, {3.0F, 2.0F, 1.0F})))
       << "it is in the filter already";
 }

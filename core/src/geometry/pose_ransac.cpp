@@ -64,7 +64,7 @@ void score(const Problem<T>& problem, T to_beat, PoseHypothesis<T>& hypothesis) 
   const Rigid<T> T_camera_world = hypothesis.T_world_camera.inverse();
   const T limit = square(problem.options.inlier_px);
   hypothesis.score = T(0);
-  hypothesis.support = 0;
+  hypothesis.inlier_count = 0;
   for (int i = 0; i < problem.count; ++i) {
     if (hypothesis.score + static_cast<T>(problem.count - i) < to_beat) return;
     const PoseObservation<T>& m = problem.observations[i];
@@ -73,17 +73,17 @@ void score(const Problem<T>& problem, T to_beat, PoseHypothesis<T>& hypothesis) 
     const T error = (m.pixel - pixel).squaredNorm();
     if (!(error < limit)) continue;
     hypothesis.score += T(1) - error / limit;
-    ++hypothesis.support;
+    ++hypothesis.inlier_count;
   }
 }
 
 /// Marks the matches within inlier_px of a pose; returns how many. `centre` becomes their centroid.
 template <class T>
-int mark_support(const Problem<T>& problem, const Rigid<T>& pose, std::uint8_t* flags,
+int mark_inliers(const Problem<T>& problem, const Rigid<T>& pose, std::uint8_t* flags,
                  Vector3<T>& centre) {
   const Rigid<T> T_camera_world = pose.inverse();
   const T limit = square(problem.options.inlier_px);
-  int support = 0;
+  int inlier_count = 0;
   Vector3<T> sum = Vector3<T>::Zero();
   for (int i = 0; i < problem.count; ++i) {
     const PoseObservation<T>& m = problem.observations[i];
@@ -92,11 +92,11 @@ int mark_support(const Problem<T>& problem, const Rigid<T>& pose, std::uint8_t* 
                         (m.pixel - pixel).squaredNorm() < limit;
     flags[i] = inside ? 1 : 0;
     if (!inside) continue;
-    ++support;
+    ++inlier_count;
     sum += m.p_world;
   }
-  if (support > 0) centre = sum / static_cast<T>(support);
-  return support;
+  if (inlier_count > 0) centre = sum / static_cast<T>(inlier_count);
+  return inlier_count;
 }
 
 template <class T>
@@ -113,8 +113,8 @@ bool clearly_different(const Rigid<T>& a, const Rigid<T>& b, const Vector3<T>& c
 
 /// Samples needed so that one is free of wrong matches with the given confidence.
 template <class T>
-int samples_needed(int support, int count, T confidence, int most) {
-  const T w = static_cast<T>(support) / static_cast<T>(count);
+int samples_needed(int inlier_count, int count, T confidence, int most) {
+  const T w = static_cast<T>(inlier_count) / static_cast<T>(count);
   const T clean = w * w * w;
   if (!(clean < T(0.999))) return 1;
   if (!(clean > T(1e-6))) return most;
@@ -135,9 +135,9 @@ void offer(const Problem<T>& problem, PoseHypothesis<T> candidate, PoseSearch<T>
     const PoseHypothesis<T> previous = search.best;
     search.best = candidate;
     std::uint8_t flags[kMaxPoseObservations];
-    mark_support(problem, search.best.T_world_camera, flags, centre);
-    search.needed = samples_needed(search.best.support, problem.count, problem.options.confidence,
-                                   most_samples(problem.options));
+    mark_inliers(problem, search.best.T_world_camera, flags, centre);
+    search.needed = samples_needed(search.best.inlier_count, problem.count,
+                                   problem.options.confidence, most_samples(problem.options));
     if (search.second.score >= T(0) &&
         !clearly_different(search.best.T_world_camera, search.second.T_world_camera, centre)) {
       search.second = PoseHypothesis<T>();
@@ -191,10 +191,10 @@ Status search_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* obs
 }
 
 template <class T>
-Status conclude_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
-                     int count, const PoseRansacOptions<T>& options, const PoseSearch<T>& search,
-                     Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
-                     PoseRansacReport<T>& report, std::uint8_t* inlier_flags) {
+Status finish_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                   int count, const PoseRansacOptions<T>& options, const PoseSearch<T>& search,
+                   Rigid<T>& T_world_camera, PoseEstimate<T>& estimate, PoseRansacReport<T>& report,
+                   std::uint8_t* inlier_flags) {
   const Problem<T> problem{camera, observations, count, options};
   const Status status = check(problem);
   if (!ok(status)) return status;
@@ -205,27 +205,27 @@ Status conclude_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* o
   report.hypotheses = search.hypotheses;
   report.poses = search.poses;
   if (report.poses == 0) return Status::kDegenerate;
-  report.support = best.support;
-  if (second.support > 0) {
-    report.second_support = second.support;
+  report.inlier_count = best.inlier_count;
+  if (second.inlier_count > 0) {
+    report.second_inliers = second.inlier_count;
     report.T_world_camera_second = second.T_world_camera;
   }
   report.ambiguous =
-      second.support > 0 &&
-      static_cast<T>(second.support) >= options.ambiguity_share * static_cast<T>(best.support);
+      second.inlier_count > 0 && static_cast<T>(second.inlier_count) >=
+                                     options.ambiguity_share * static_cast<T>(best.inlier_count);
 
   // The second round takes in what the pose of a minimal sample missed.
   Rigid<T> pose = best.T_world_camera;
   PoseEstimate<T> result;
-  std::uint8_t support[kMaxPoseObservations];
+  std::uint8_t is_inlier[kMaxPoseObservations];
   std::uint8_t flags[kMaxPoseObservations];
   PoseRefinementOptions<T> refinement = options.refinement;
   refinement.min_inliers = kSampleSize + 1;
   refinement.use_prior = false;
-  refinement.use_only = support;
+  refinement.use_only = is_inlier;
   for (int round = 0; round < 2; ++round) {
     Vector3<T> centre;
-    if (mark_support(problem, pose, support, centre) < options.min_inliers) {
+    if (mark_inliers(problem, pose, is_inlier, centre) < options.min_inliers) {
       return Status::kNoConsensus;
     }
     const Status refined =
@@ -251,8 +251,8 @@ Status estimate_pose_ransac(const PinholeCamera<T>& camera, const PoseObservatio
   const Status status = search_pose(camera, observations, count, options,
                                     PoseRansacOptions<T>::kMaxHypotheses, random, search, done);
   if (!ok(status)) return status;
-  return conclude_pose(camera, observations, count, options, search, T_world_camera, estimate,
-                       report, inlier_flags);
+  return finish_pose(camera, observations, count, options, search, T_world_camera, estimate, report,
+                     inlier_flags);
 }
 
 CAIRN_POSE_RANSAC(template, float)

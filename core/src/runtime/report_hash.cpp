@@ -14,7 +14,7 @@ void add_to_hash(Hash64& hash, const FrameReport& report) {
   for (const float value : {q.w(), q.x(), q.y(), q.z(), p.x(), p.y(), p.z()}) hash.add(value);
   for (const int value :
        {report.corners, report.candidates, report.matches, report.inliers, report.landmarks,
-        report.searched, report.added, report.removed, report.reentered, report.from_library,
+        report.searched, report.added, report.removed, report.reactivated, report.from_library,
         report.relocalised ? 1 : 0, report.work, report.update.matches, report.update.hypotheses,
         report.update.low_innovation, report.update.high_innovation, report.update.gated,
         report.update.nis_dof}) {

@@ -55,7 +55,7 @@ bool fit(const Problem& problem, const bool* used, Estimate& estimate) {
 
 /// Marks the sightings that agree with an estimate within its own covariance; their number.
 int mark_agreeing(const Problem& problem, const Estimate& estimate, bool* agrees) {
-  int support = 0;
+  int inlier_count = 0;
   for (int i = 0; i < problem.count; ++i) {
     const PlanarSighting& s = problem.sightings[i];
     Vector2<float> pixel;
@@ -71,9 +71,9 @@ int mark_agreeing(const Problem& problem, const Estimate& estimate, bool* agrees
     const Vector2<float> e = s.pixel - pixel;
     const float squared = e.x() * e.x() * i00 + 2.0F * e.x() * e.y() * i01 + e.y() * e.y() * i11;
     agrees[i] = squared <= problem.options.gate;
-    support += agrees[i] ? 1 : 0;
+    inlier_count += agrees[i] ? 1 : 0;
   }
-  return support;
+  return inlier_count;
 }
 
 int count_near(const Problem& problem, const PlanarPose<float>& pose) {
@@ -118,7 +118,8 @@ Status PlanarView::predict(const PlanarPose<float>& pose, const Vector3<float>& 
 
 Status find_planar_pose(const PlanarView& view, const PlanarPrior& prior,
                         const PlanarSighting* sightings, int count,
-                        const PlanarPoseOptions& options, PlanarPose<float>& pose, int& support) {
+                        const PlanarPoseOptions& options, PlanarPose<float>& pose,
+                        int& inlier_count) {
   if (count < 0 || count > kMaxCount || (count > 0 && sightings == nullptr)) {
     return Status::kInvalidArgument;
   }
@@ -137,17 +138,17 @@ Status find_planar_pose(const PlanarView& view, const PlanarPrior& prior,
     most = agreeing;
     for (int i = 0; i < count; ++i) best[i] = agrees[i];
   }
-  if (most < options.min_support) return Status::kNoConsensus;
-  constexpr int kRounds = 3;  // each leaves out what the one before no longer supports
+  if (most < options.min_inliers) return Status::kNoConsensus;
+  constexpr int kRounds = 3;  // each leaves out the outliers of the one before
   Estimate estimate{prior.pose, prior.covariance};
   for (int round = 0; round < kRounds; ++round) {
     if (!fit(problem, best, estimate)) return Status::kNoConsensus;
     static_cast<void>(mark_agreeing(problem, estimate, best));
   }
   const int near = count_near(problem, estimate.pose);
-  if (near < options.min_support) return Status::kNoConsensus;
+  if (near < options.min_inliers) return Status::kNoConsensus;
   pose = estimate.pose;
-  support = near;
+  inlier_count = near;
   return Status::kOk;
 }
 

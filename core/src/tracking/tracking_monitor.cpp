@@ -4,7 +4,7 @@
 
 namespace cairn {
 
-bool TrackingMonitor::worth_an_update(const MeasurementCounts& counts) const {
+bool TrackingMonitor::enough_matches(const MeasurementCounts& counts) const {
   const bool returning = weak_frames_ >= 2;
   const float least = returning ? parameters_.min_return_ratio : parameters_.min_match_ratio;
   if (static_cast<float>(counts.matches) < least * static_cast<float>(counts.searched)) {
@@ -16,7 +16,7 @@ bool TrackingMonitor::worth_an_update(const MeasurementCounts& counts) const {
 /// Another place with the same texture (tiles, shelves) can agree with a fifth of the map. Fewer
 /// inliers than half of what the running mean predicts are accepted only when they are nearly all
 /// of the matches.
-int TrackingMonitor::min_support(const MeasurementCounts& counts, int least) const {
+int TrackingMonitor::min_inliers(const MeasurementCounts& counts, int least) const {
   const float expected = mean_inlier_ratio_ * static_cast<float>(counts.searched);
   const int of_expected = round_to_int(parameters_.min_mean_ratio * expected);
   constexpr float kNearlyAll = 0.8F;
@@ -28,7 +28,7 @@ int TrackingMonitor::min_support(const MeasurementCounts& counts, int least) con
 }
 
 /// Repeated texture matches anywhere, but at a wrong place few of the matches agree on a pose.
-int TrackingMonitor::min_place_support(int found) const {
+int TrackingMonitor::min_relocalisation_inliers(int found) const {
   const int most = (2 * found + 2) / 3;
   return most > parameters_.min_return_matches ? most : parameters_.min_return_matches;
 }

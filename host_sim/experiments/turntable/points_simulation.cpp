@@ -71,7 +71,7 @@ class PointsRun : public TurntableRun<Filter> {
     }
   }
 
-  /// Births in empty parts of the image until the wanted number is measured.
+  /// Adds features in empty parts of the image until the wanted number is measured.
   void add_features(std::size_t k) override {
     const TurntablePose& pose = poses_[k];
     constexpr double kHalfWidth = 22.0;

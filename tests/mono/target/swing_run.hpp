@@ -33,7 +33,8 @@ class SwingRun {
   Ticks worst() const { return worst_; }
 
  private:
-  static constexpr int kBirthsPerFrame = 5;  // one anchor each: as many anchors as there can be
+  static constexpr int kNewFeaturesPerFrame =
+      5;  // one anchor each: as many anchors as there can be
   static constexpr float kStep = 0.04F;
 
   static cairn::PinholeCamera<float> camera() {
@@ -99,7 +100,7 @@ class SwingRun {
     cairn::UpdateReport report;
     if (count > 0) good_ = ok(filter_.update(matches_, count, random_, report)) && good_;
     spent += Clock::now() - update_begin;
-    for (int i = 0; i < kBirthsPerFrame && filter_.feature_count() < Features; ++i) {
+    for (int i = 0; i < kNewFeaturesPerFrame && filter_.feature_count() < Features; ++i) {
       const auto id = static_cast<cairn::LandmarkId>(filter_.feature_count() + 1);
       good_ = ok(filter_.add_feature(id, measure(T_camera_world, id))) && good_;
     }

@@ -8,13 +8,13 @@ struct DefaultConfig {
   using Scalar = float;
   static constexpr int kMaxImageWidth = 640;
   static constexpr int kMaxImageHeight = 480;
-  static constexpr int kMaxLandmarks = 64;       ///< active: in the filter's state
-  static constexpr int kMaxFeatures = 32;        ///< MonoEkf features
-  static constexpr int kLibraryLandmarks = 256;  ///< archived
-  static constexpr int kMaxCandidates = 32;      ///< seen, not yet in the filter
-  static constexpr int kMaxKeyframes = 8;        ///< past positions in the filter's state
-  static constexpr int kPlaceFeatures = 96;      ///< of an image that is relocalised
-  static constexpr int kPlaceMatches = 96;       ///< the best of their matches, for the pose
+  static constexpr int kMaxLandmarks = 64;            ///< active: in the filter's state
+  static constexpr int kMaxFeatures = 32;             ///< MonoEkf features
+  static constexpr int kLibraryLandmarks = 256;       ///< archived
+  static constexpr int kMaxSeeds = 32;                ///< seen, not yet in the filter
+  static constexpr int kMaxKeyframes = 8;             ///< past positions in the filter's state
+  static constexpr int kRelocalisationFeatures = 96;  ///< of an image that is relocalised
+  static constexpr int kRelocalisationMatches = 96;   ///< the best of their matches, for the pose
 };
 
 struct TinyConfig : DefaultConfig {
@@ -23,9 +23,9 @@ struct TinyConfig : DefaultConfig {
   static constexpr int kMaxLandmarks = 16;
   static constexpr int kMaxFeatures = 16;
   static constexpr int kLibraryLandmarks = 48;
-  static constexpr int kMaxCandidates = 16;
-  static constexpr int kPlaceFeatures = 48;
-  static constexpr int kPlaceMatches = 48;
+  static constexpr int kMaxSeeds = 16;
+  static constexpr int kRelocalisationFeatures = 48;
+  static constexpr int kRelocalisationMatches = 48;
 };
 
 struct LargeConfig : DefaultConfig {
@@ -34,9 +34,9 @@ struct LargeConfig : DefaultConfig {
   static constexpr int kMaxLandmarks = 128;
   static constexpr int kMaxFeatures = 50;
   static constexpr int kLibraryLandmarks = 1024;
-  static constexpr int kMaxCandidates = 64;
-  static constexpr int kPlaceFeatures = 128;
-  static constexpr int kPlaceMatches = 128;
+  static constexpr int kMaxSeeds = 64;
+  static constexpr int kRelocalisationFeatures = 128;
+  static constexpr int kRelocalisationMatches = 128;
 };
 
 }  // namespace cairn

@@ -32,8 +32,8 @@ struct Health {
   std::uint32_t reacquisitions = 0;      ///< gate widened after a run of rejections
   std::uint32_t resets = 0;
   std::uint32_t losses = 0;
-  std::uint32_t landmarks_archived = 0;   ///< handed to the map builder
-  std::uint32_t landmarks_reentered = 0;  ///< reactivated from the map library
+  std::uint32_t landmarks_archived = 0;     ///< handed to the map builder
+  std::uint32_t landmarks_reactivated = 0;  ///< reactivated from the map library
   std::uint32_t map_messages_dropped = 0;
   std::uint32_t relocalisations = 0;
   std::uint32_t false_relocalisations_refused = 0;

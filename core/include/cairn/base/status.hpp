@@ -19,7 +19,7 @@ enum class [[nodiscard]] Status : std::uint8_t{
     kFull,             ///< a bounded container has no room and nothing may be replaced
     kSingular,         ///< an innovation covariance is not positive definite: update skipped
     kGated,            ///< innovation outside its Mahalanobis gate: update skipped
-    kNoConsensus,      ///< RANSAC found too little support: update skipped
+    kNoConsensus,      ///< RANSAC found too few inliers: update skipped
     kOutOfView,        ///< point behind the camera, too close to it, or outside the image
     kDegenerate,       ///< geometry does not determine the answer (parallax, collinear points)
     kLowTexture,       ///< fewer features than tracking needs

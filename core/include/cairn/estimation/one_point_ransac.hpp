@@ -7,10 +7,10 @@ namespace cairn {
 
 /// Limits of one_point_ransac().
 struct OnePointRansacParameters {
-  float probability = 0.99F;           ///< wanted chance that one hypothesis is free of outliers
-  int max_hypotheses = 16;             ///< bound of the work
-  int min_support = 5;                 ///< fewer inliers: no consensus
-  float min_support_fraction = 0.25F;  ///< smaller share of the candidates: no consensus
+  float probability = 0.99F;       ///< wanted chance that one hypothesis is free of outliers
+  int max_hypotheses = 16;         ///< bound of the work
+  int min_inliers = 5;             ///< fewer inliers: no consensus
+  float min_inlier_share = 0.25F;  ///< smaller share of the candidates: no consensus
 };
 
 /// Outcome of one_point_ransac(). `inliers[i]` says whether candidate i agrees with the best
@@ -18,11 +18,11 @@ struct OnePointRansacParameters {
 template <int Capacity>
 struct OnePointRansacResult {
   bool inliers[Capacity] = {};
-  int support = 0;
+  int inlier_count = 0;
   int candidate = -1;      ///< of the best hypothesis of one measurement
   int hypotheses = 0;      ///< of one measurement, evaluated
   int triples = 0;         ///< of three, evaluated
-  bool consensus = false;  ///< the support passes both limits
+  bool consensus = false;  ///< the inlier count passes both limits
 };
 
 /// Number of one-measurement hypotheses that holds a good one with the given probability when the
@@ -38,10 +38,11 @@ inline int hypotheses_needed(float probability, float inlier_share, int limit) {
   return needed < 1 ? 1 : needed;
 }
 
-/// Whether `support` of `count` candidates passes both limits.
-inline bool is_consensus(int support, int count, const OnePointRansacParameters& parameters) {
-  return support >= parameters.min_support &&
-         static_cast<float>(support) >= parameters.min_support_fraction * static_cast<float>(count);
+/// Whether `inlier_count` of `count` candidates passes both limits.
+inline bool is_consensus(int inlier_count, int count, const OnePointRansacParameters& parameters) {
+  return inlier_count >= parameters.min_inliers &&
+         static_cast<float>(inlier_count) >=
+             parameters.min_inlier_share * static_cast<float>(count);
 }
 
 /// 1-point RANSAC: the filter's prior replaces all but one measurement of a minimal set. Draws
@@ -66,16 +67,16 @@ OnePointRansacResult<Capacity> one_point_ransac(int count,
     order[pick] = order[k];
     order[k] = candidate;
     bool inliers[Capacity] = {};
-    const int support = evaluate(candidate, inliers);
+    const int inlier_count = evaluate(candidate, inliers);
     ++best.hypotheses;
-    if (support <= best.support) continue;
-    best.support = support;
+    if (inlier_count <= best.inlier_count) continue;
+    best.inlier_count = inlier_count;
     best.candidate = candidate;
     for (int i = 0; i < count; ++i) best.inliers[i] = inliers[i];
-    const float share = static_cast<float>(support) / static_cast<float>(count);
+    const float share = static_cast<float>(inlier_count) / static_cast<float>(count);
     needed = hypotheses_needed(parameters.probability, share, needed);
   }
-  best.consensus = is_consensus(best.support, count, parameters);
+  best.consensus = is_consensus(best.inlier_count, count, parameters);
   return best;
 }
 
@@ -99,15 +100,15 @@ void three_point_ransac(int count, const OnePointRansacParameters& parameters, i
     if (candidates[2] >= low) ++candidates[2];
     if (candidates[2] >= high) ++candidates[2];
     bool inliers[Capacity] = {};
-    const int support = evaluate(candidates, inliers);
+    const int inlier_count = evaluate(candidates, inliers);
     ++best.triples;
-    if (support <= best.support) continue;
-    best.support = support;
+    if (inlier_count <= best.inlier_count) continue;
+    best.inlier_count = inlier_count;
     for (int i = 0; i < count; ++i) best.inliers[i] = inliers[i];
-    const float share = static_cast<float>(support) / static_cast<float>(count);
+    const float share = static_cast<float>(inlier_count) / static_cast<float>(count);
     needed = hypotheses_needed(parameters.probability, share * share * share, needed);
   }
-  best.consensus = is_consensus(best.support, count, parameters);
+  best.consensus = is_consensus(best.inlier_count, count, parameters);
 }
 
 }  // namespace cairn

@@ -16,9 +16,10 @@ struct PoseRansacOptions {
 
   int max_hypotheses = 128;  ///< samples of three matches; clamped to [1, kMaxHypotheses]
   T confidence = T(0.99);    ///< that one sample was free of wrong matches; (0, 1)
-  T inlier_px = T(4);        ///< largest reprojection error of a match that supports a hypothesis
-  int min_inliers = 8;       ///< fewer after refinement: kNoConsensus
-  /// Another pose with at least this share of the best one's support makes the answer ambiguous.
+  T inlier_px = T(4);   ///< largest reprojection error of a match that is an inlier of a hypothesis
+  int min_inliers = 8;  ///< fewer after refinement: kNoConsensus
+  /// Another pose with at least this share of the best one's inlier count makes the answer
+  /// ambiguous.
   T ambiguity_share = T(0.8);
   PoseRefinementOptions<T> refinement;  ///< its min_inliers, prior and use_only are not used
 };
@@ -27,19 +28,20 @@ template <class T>
 struct PoseRansacReport {
   int hypotheses = 0;      ///< samples drawn
   int poses = 0;           ///< solutions of the minimal problem that were scored
-  int support = 0;         ///< matches within inlier_px of the best hypothesis, before refinement
-  int second_support = 0;  ///< of the best clearly different hypothesis
+  int inlier_count = 0;    ///< matches within inlier_px of the best hypothesis, before refinement
+  int second_inliers = 0;  ///< of the best clearly different hypothesis
   Rigid<T> T_world_camera_second;  ///< that hypothesis, not refined; identity when there is none
-  /// second_support >= ambiguity_share * support: do not trust the pose without a second frame.
+  /// second_inliers >= ambiguity_share * inlier_count: do not trust the pose without a second
+  /// frame.
   bool ambiguous = false;
 };
 
-/// A pose that supports some of the matches.
+/// A pose, and how many of the matches are its inliers.
 template <class T>
 struct PoseHypothesis {
   Rigid<T> T_world_camera;
-  T score = T(-1);  ///< sum over the support of 1 - (error / inlier_px)^2
-  int support = 0;
+  T score = T(-1);  ///< sum over the inliers of 1 - (error / inlier_px)^2
+  int inlier_count = 0;
 };
 
 /// A search for a pose between two calls of search_pose().
@@ -47,7 +49,7 @@ template <class T>
 struct PoseSearch {
   PoseHypothesis<T> best;
   PoseHypothesis<T> second;                ///< clearly different from the best
-  Vector3<T> centre = Vector3<T>::Zero();  ///< of the points that support the best
+  Vector3<T> centre = Vector3<T>::Zero();  ///< of the points that are inliers of the best
   int hypotheses = 0;                      ///< samples drawn so far
   int poses = 0;                           ///< hypotheses scored so far
   int needed = PoseRansacOptions<T>::kMaxHypotheses;
@@ -64,21 +66,21 @@ Status search_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* obs
 
 /// Refines what search_pose() found, twice. Errors and outputs: as estimate_pose_ransac.
 template <class T>
-Status conclude_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
-                     int count, const PoseRansacOptions<T>& options, const PoseSearch<T>& search,
-                     Rigid<T>& T_world_camera, PoseEstimate<T>& estimate,
-                     PoseRansacReport<T>& report, std::uint8_t* inlier_flags = nullptr);
+Status finish_pose(const PinholeCamera<T>& camera, const PoseObservation<T>* observations,
+                   int count, const PoseRansacOptions<T>& options, const PoseSearch<T>& search,
+                   Rigid<T>& T_world_camera, PoseEstimate<T>& estimate, PoseRansacReport<T>& report,
+                   std::uint8_t* inlier_flags = nullptr);
 
 /// Camera pose from point matches of which many may be wrong: RANSAC (Fischler and Bolles 1981)
 /// over solve_p3p with a truncated quadratic score (MSAC, Torr and Zisserman 2000), verification by
-/// reprojection, then refine_pose on the support, twice. The number of samples adapts to the best
-/// support so far, n = log(1 - confidence) / log(1 - w^3), and is bounded.
+/// reprojection, then refine_pose on the inliers, twice. The number of samples adapts to the best
+/// inlier count so far, n = log(1 - confidence) / log(1 - w^3), and is bounded.
 ///
 /// Two hypotheses are clearly different when their rotations differ by more than 0.15 rad or their
-/// centres by more than 10 % of the distance to the centroid of the supporting points.
+/// centres by more than 10 % of the distance to the centroid of its inliers.
 ///
 /// kInvalidArgument: null, count outside [4, kMaxPoseObservations], an option outside its domain.
-/// kNonFiniteInput. kDegenerate: every sample was degenerate, or the support does not determine the
+/// kNonFiniteInput. kDegenerate: every sample was degenerate, or the inliers do not determine the
 /// pose. kNoConsensus: fewer than min_inliers. On an error pose, estimate and flags are unchanged;
 /// `random` has advanced by three numbers a sample. `report` is written in every case but
 /// kInvalidArgument and kNonFiniteInput.
@@ -94,9 +96,9 @@ Status estimate_pose_ransac(const PinholeCamera<T>& camera, const PoseObservatio
 #define CAIRN_POSE_RANSAC(TEMPLATE, T)                                                           \
   TEMPLATE Status search_pose(const PinholeCamera<T>&, const PoseObservation<T>*, int,           \
                               const PoseRansacOptions<T>&, int, Random&, PoseSearch<T>&, bool&); \
-  TEMPLATE Status conclude_pose(const PinholeCamera<T>&, const PoseObservation<T>*, int,         \
-                                const PoseRansacOptions<T>&, const PoseSearch<T>&, Rigid<T>&,    \
-                                PoseEstimate<T>&, PoseRansacReport<T>&, std::uint8_t*);          \
+  TEMPLATE Status finish_pose(const PinholeCamera<T>&, const PoseObservation<T>*, int,           \
+                              const PoseRansacOptions<T>&, const PoseSearch<T>&, Rigid<T>&,      \
+                              PoseEstimate<T>&, PoseRansacReport<T>&, std::uint8_t*);            \
   TEMPLATE Status estimate_pose_ransac(const PinholeCamera<T>&, const PoseObservation<T>*, int,  \
                                        const PoseRansacOptions<T>&, Random&, Rigid<T>&,          \
                                        PoseEstimate<T>&, PoseRansacReport<T>&, std::uint8_t*);

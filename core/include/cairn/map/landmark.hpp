@@ -46,11 +46,11 @@ struct LibraryLandmark {
 
 /// Score of a landmark by itself, 0 .. 65535: the product of
 ///   reliability (sightings + 1) / (searches + 2),
-///   support     1/4 + 3/4 min(sightings, 16) / 16,
+///   sightings   1/4 + 3/4 min(sightings, 16) / 16,
 ///   precision   1 / (1 + (s / 4 px)^2), s the rms deviation of the point seen from its first view.
 template <class T, int Views>
 int landmark_score(const LibraryLandmark<T, Views>& landmark) {
-  constexpr int kFullSupport = 16;
+  constexpr int kFullSightings = 16;
   constexpr int kHalfPrecisionPx = 4;
   const LandmarkView<T>& view = landmark.views[0];
   const T distance_squared = (view.T_map_reference.translation - landmark.p_map).squaredNorm();
@@ -59,9 +59,9 @@ int landmark_score(const LibraryLandmark<T, Views>& landmark) {
   const T precision = T(1) / (T(1) + variance_px / T(kHalfPrecisionPx * kHalfPrecisionPx));
   const T reliability =
       static_cast<T>(landmark.sightings + 1) / static_cast<T>(landmark.searches + 2);
-  const int seen = landmark.sightings < kFullSupport ? landmark.sightings : kFullSupport;
-  const T support = T(0.25) + T(0.75) * static_cast<T>(seen) / T(kFullSupport);
-  return clamp(round_to_int(T(65535) * reliability * support * precision), 0, 65535);
+  const int seen = landmark.sightings < kFullSightings ? landmark.sightings : kFullSightings;
+  const T sightings = T(0.25) + T(0.75) * static_cast<T>(seen) / T(kFullSightings);
+  return clamp(round_to_int(T(65535) * reliability * sightings * precision), 0, 65535);
 }
 
 /// Where and how a landmark's view should be described in another image.

@@ -109,13 +109,13 @@ class MonoEkf {
   /// slot; kOutOfView behind the camera or outside the image, `prediction` untouched.
   Status predict_feature(int slot, PixelPrediction<T>& prediction) const;
 
-  /// Uses the matches of one frame: 1-point RANSAC, support gate, update with the low-innovation
+  /// Uses the matches of one frame: 1-point RANSAC, inlier gate, update with the low-innovation
   /// inliers, rescue, update with the high-innovation inliers. Sets `inlier` of every match and
   /// fills `report` (nis is the sum over the used matches, 2 degrees of freedom each). Then turns
   /// at most Parameters::max_conversions_per_update features into points. Call it every frame, with
   /// count = 0 where nothing was matched, so that the statistics go on.
   ///
-  /// kNoConsensus: too little support (also for count = 0), kInvalidArgument (count, slots that are
+  /// kNoConsensus: too few inliers (also for count = 0), kInvalidArgument (count, slots that are
   /// repeated or do not belong to the id), kNonFiniteInput. On each of these the estimate is
   /// unchanged to the bit. Cost: about n_s^2 multiply-adds per inlier, n_s = state_size(), and at
   /// most (Parameters::ransac.max_hypotheses + max_triples) * count projections.
@@ -169,9 +169,9 @@ class MonoEkf {
   struct Feature {
     LandmarkId id = kNoLandmark;
     FeatureKind kind = FeatureKind::kInverseDepth;
-    int at = 0;                                         ///< first index of its block in the state
-    int anchor = -1;                                    ///< index into anchors_, -1 for none
-    Matrix3<T> R_world_birth = Matrix3<T>::Identity();  ///< axes of theta and phi
+    int at = 0;                                           ///< first index of its block in the state
+    int anchor = -1;                                      ///< index into anchors_, -1 for none
+    Matrix3<T> R_world_feature = Matrix3<T>::Identity();  ///< axes of theta and phi
     T first_inverse_depth = T(0);
     FeatureStatistics statistics;
   };
@@ -233,7 +233,7 @@ class MonoEkf {
                           bool* inliers) const;
   int evaluate_triple(const PixelMatch<T>* matches, int count, const int* candidates,
                       bool* inliers);
-  int support_of(T* x, const PixelMatch<T>* matches, int count, bool* inliers) const;
+  int mark_inliers(T* x, const PixelMatch<T>* matches, int count, bool* inliers) const;
   bool fuse(const PixelMatch<T>& match, int pairs, T* delta, T& nis);
   void adapt_memory(const PixelMatch<T>* matches, int count, const bool* use);
   int apply(PixelMatch<T>* matches, int count, const bool* use, UpdateReport& report);
@@ -244,7 +244,7 @@ class MonoEkf {
   void expected_inverse_depth(T& inverse_depth, T& sigma) const;
   void append_feature(const Rows3& rows, const Matrix2<T>& noise, T sigma, bool with_depth);
   void point_rows(const Feature& feature, Vector3<T>& p_world, Rows3& rows) const;
-  int anchor_for_birth();
+  int anchor_for_new_feature();
   void move_to_camera(Feature& feature);
   void release_anchor(int anchor);
   void remove_block(int at);
@@ -278,7 +278,7 @@ class MonoEkf {
 }  // namespace cairn
 
 #include "cairn/mono/detail/mono_ekf_features_impl.hpp"
-#include "cairn/mono/detail/mono_ekf_map_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_measure_impl.hpp"
+#include "cairn/mono/detail/mono_ekf_points_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_predict_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_update_impl.hpp"

@@ -67,11 +67,11 @@ struct MonoParameters {
 
   OnePointRansacParameters ransac;
   /// Most hypotheses of three matches, drawn where those of one match convince a smaller share of
-  /// the matches than `enough_support`. 0: none, as published.
+  /// the matches than `enough_inliers`. 0: none, as published.
   int max_triples = 0;
-  T enough_support = T(0.6);
-  T support_gate = T(kChi2Dof2Level95);  ///< of |z - h|^2 / sigma_px^2, low innovation
-  T rescue_gate = T(kChi2Dof2Level99);   ///< of nu' S^-1 nu, high innovation
+  T enough_inliers = T(0.6);
+  T inlier_gate = T(kChi2Dof2Level95);  ///< of |z - h|^2 / sigma_px^2, low innovation
+  T rescue_gate = T(kChi2Dof2Level99);  ///< of nu' S^-1 nu, high innovation
 
   /// Inverse depth becomes XYZ below this linearity index (Civera: 0.1); 0 keeps inverse depth for
   /// good, which is more accurate and takes three states more for every anchor in use.
@@ -81,7 +81,7 @@ struct MonoParameters {
   /// kBadConfig unless every value is finite and inside its domain.
   Status validate() const {
     const T positive[] = {max_step_s,          sigma_px,      initial_inverse_depth,
-                          min_inverse_depth,   support_gate,  rescue_gate,
+                          min_inverse_depth,   inlier_gate,   rescue_gate,
                           adaptive_max_factor, fading_factor, initial_inverse_depth_sigma};
     for (const T v : positive) {
       if (!is_finite(v) || !(v > T(0))) return Status::kBadConfig;
@@ -97,9 +97,9 @@ struct MonoParameters {
     }
     const bool good = fading_factor >= T(1) && adaptive_max_factor >= T(1) &&
                       adaptive_memory < T(1) && focal_sigma < T(0.5) &&
-                      ransac.max_hypotheses >= 1 && ransac.min_support >= 1 &&
+                      ransac.max_hypotheses >= 1 && ransac.min_inliers >= 1 &&
                       ransac.probability > 0.0F && ransac.probability < 1.0F &&
-                      max_conversions_per_update >= 0 && max_triples >= 0 && enough_support >= T(0);
+                      max_conversions_per_update >= 0 && max_triples >= 0 && enough_inliers >= T(0);
     return good ? Status::kOk : Status::kBadConfig;
   }
 };

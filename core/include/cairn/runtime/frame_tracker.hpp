@@ -58,7 +58,7 @@ class FrameTracker {
     /// inliers are enough for a young map, because odometry bounds what they can change.
     Parameters() {
       filter.reacquire_after = 0;
-      filter.ransac.min_support = 2;
+      filter.ransac.min_inliers = 2;
       filter.gate = kWideGate;
       measurement.search.gate = kWideGate;
       measurement.max_searches = 40;

@@ -51,7 +51,7 @@ struct FrameReport {
   int deferred = 0;    ///< landmarks in view that were not searched, or matches not used
   int added = 0;
   int removed = 0;
-  int reentered = 0;     ///< landmarks reactivated from the map library
+  int reactivated = 0;   ///< landmarks reactivated from the map library
   int from_library = 0;  ///< inliers that were once reactivated
   bool relocalised = false;
   FrameCut cut = FrameCut::kNone;

@@ -17,8 +17,8 @@ template <class Config>
 struct HandheldLibraryConfig : Config {
   static constexpr int kLibraryLandmarks =
       Config::kLibraryLandmarks < 256 ? Config::kLibraryLandmarks : 256;
-  static constexpr int kPlaceFeatures = 144;
-  static constexpr int kPlaceMatches = 40;
+  static constexpr int kRelocalisationFeatures = 144;
+  static constexpr int kRelocalisationMatches = 40;
 };
 
 /// Memory of the confirmation of a place: library landmarks found, and the pose that they agree on.

@@ -91,7 +91,8 @@ int HandheldLocalMap<Config>::add_features(Frame& frame, Estimate& estimate) {
       propose_corners(frame, supply_, parameters_.supply, limit, frame.scratch.supply, corners);
   const Rigid<float> T_world_camera = estimate.T_world_camera();
   int added = 0;
-  for (int i = 0; i < found && frame.work.take(work::kAppearance + work::kBirth); ++i) {
+  for (int i = 0; i < found && frame.work.take(work::kAppearance + work::kFeatureInitialisation);
+       ++i) {
     added += add_feature(frame, estimate, corners[i], T_world_camera) ? 1 : 0;
   }
   return added;

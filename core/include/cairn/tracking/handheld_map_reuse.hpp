@@ -168,11 +168,11 @@ void HandheldMapReuse<Config>::reactivate(Frame& frame, Estimate& estimate,
                                           const ConfirmationScratch& scratch) {
   for (int i = 0; i < scratch.matches.size(); ++i) {
     if (scratch.inlier[i] == 0) continue;
-    if (!frame.work.take(work::kAppearance + work::kBirth)) break;
+    if (!frame.work.take(work::kAppearance + work::kFeatureInitialisation)) break;
     if (!reactivate(frame, estimate, T_map_camera, scratch.matches[i])) continue;
     static_cast<void>(archive_.library().record(scratch.matches[i].id, true));
-    ++frame.report.reentered;
-    ++frame.health.landmarks_reentered;
+    ++frame.report.reactivated;
+    ++frame.health.landmarks_reactivated;
   }
 }
 

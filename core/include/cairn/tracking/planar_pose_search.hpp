@@ -39,7 +39,7 @@ struct PlanarPoseOptions {
   static constexpr int kMaxSightings = 48;
   float gate = 9.21F;      ///< of a sighting, under a hypothesis' covariance (99 %)
   float inlier_px = 4.0F;  ///< largest reprojection error at the end
-  int min_support = 4;
+  int min_inliers = 4;
 };
 
 /// Pose of a vehicle from sightings of which many may be wrong, near a prior: 1-point RANSAC over
@@ -49,10 +49,12 @@ struct PlanarPoseOptions {
 /// refined by Gauss-Newton with the prior.
 ///
 /// kInvalidArgument: count outside [0, kMaxSightings]; kSingular: covariance not positive definite;
-/// kNoConsensus: fewer than min_support sightings within inlier_px. `pose`, `support` unchanged on
-/// an error. Cost: count hypotheses of count projections each, about 250 operations a projection.
+/// kNoConsensus: fewer than min_inliers sightings within inlier_px. `pose`, `inlier_count`
+/// unchanged on an error. Cost: count hypotheses of count projections each, about 250 operations a
+/// projection.
 Status find_planar_pose(const PlanarView& view, const PlanarPrior& prior,
                         const PlanarSighting* sightings, int count,
-                        const PlanarPoseOptions& options, PlanarPose<float>& pose, int& support);
+                        const PlanarPoseOptions& options, PlanarPose<float>& pose,
+                        int& inlier_count);
 
 }  // namespace cairn

@@ -24,8 +24,8 @@ namespace cairn {
 template <class Config>
 class Relocaliser {
  public:
-  static constexpr int kMaxFeatures = Config::kPlaceFeatures;
-  static constexpr int kMaxMatches = Config::kPlaceMatches;
+  static constexpr int kMaxFeatures = Config::kRelocalisationFeatures;
+  static constexpr int kMaxMatches = Config::kRelocalisationMatches;
   using Scalar = typename Config::Scalar;
   using Matcher = LibraryMatcher<Config, kMaxFeatures>;
   static constexpr int kColumns = 8;
@@ -67,7 +67,7 @@ class Relocaliser {
           samples_per_step <= PoseRansacOptions<Scalar>::kMaxHypotheses &&
           is_positive(static_cast<float>(sigma_px)) && matcher.max_prefix_distance >= 0 &&
           matcher.max_distance >= 0 && matcher.max_ratio_256 >= 0 && matcher.max_ratio_256 <= 256 &&
-          is_positive(near.gate) && is_positive(near.inlier_px) && near.min_support >= 1 &&
+          is_positive(near.gate) && is_positive(near.inlier_px) && near.min_inliers >= 1 &&
           ransac.max_hypotheses >= 1 && ransac.confidence > Scalar(0) &&
           ransac.confidence < Scalar(1) && is_positive(static_cast<float>(ransac.inlier_px)) &&
           ransac.min_inliers >= 3 && ransac.ambiguity_share >= Scalar(0);
@@ -215,8 +215,8 @@ class Relocaliser {
     budget.spend(conclusion_work());
     PoseEstimate<Scalar> estimate;
     PoseRansacReport<Scalar> report;
-    const Status concluded = conclude_pose(camera, observations, usable, parameters.ransac, search_,
-                                           T_map_camera_, estimate, report);
+    const Status concluded = finish_pose(camera, observations, usable, parameters.ransac, search_,
+                                         T_map_camera_, estimate, report);
     // Two places may look alike: the caller verifies the pose.
     return ok(concluded) ? Outcome::kFound : Outcome::kFailed;
   }
@@ -329,9 +329,9 @@ bool Relocaliser<Config>::find_near(const PlanarView& view, const PlanarPrior& p
     ++sightings;
   }
   PlanarPose<float> pose;
-  int support = 0;
+  int inlier_count = 0;
   if (!ok(find_planar_pose(view, prior, near.sightings, sightings, parameters.near, pose,
-                           support))) {
+                           inlier_count))) {
     return false;
   }
   T_map_camera_ = on_floor(pose) * view.T_vehicle_camera;

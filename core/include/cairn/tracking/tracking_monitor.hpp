@@ -57,11 +57,11 @@ class TrackingMonitor {
   }
   /// Whether the matches are more than chance finds. After weak frames the search windows are
   /// larger, and more matches are asked for.
-  bool worth_an_update(const MeasurementCounts& counts) const;
+  bool enough_matches(const MeasurementCounts& counts) const;
   /// Least number of inliers that RANSAC must find, at least `least`.
-  int min_support(const MeasurementCounts& counts, int least) const;
+  int min_inliers(const MeasurementCounts& counts, int least) const;
   /// The same at a recognised place where `found` landmarks of the library were matched.
-  int min_place_support(int found) const;
+  int min_relocalisation_inliers(int found) const;
   /// Whether `found` of `expected` library landmarks confirm a recognised place.
   bool confirms_place(int found, int expected) const;
 

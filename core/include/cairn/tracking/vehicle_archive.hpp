@@ -160,8 +160,8 @@ bool VehicleArchive<Config, Filter>::reactivate(Frame& frame, Estimate& estimate
     appearance.T_world_reference = T_world_map(filter) * archived.views[0].T_map_reference;
     appearance.has_patch = false;
     estimate.landmarks().add(landmark);
-    ++frame.report.reentered;
-    ++frame.health.landmarks_reentered;
+    ++frame.report.reactivated;
+    ++frame.health.landmarks_reactivated;
     return true;
   } else {
     static_cast<void>(frame);

@@ -63,13 +63,13 @@ class VehicleEstimate {
   /// Most units of work that update() takes with so many matches.
   int update_work(int matches) const;
   /// Least number of inliers that the filter's parameters ask for.
-  int min_support() const { return ransac_.min_support; }
+  int min_inliers() const { return ransac_.min_inliers; }
 
   /// Updates the filter with the matches that the frame can pay for; the last ones, which are the
-  /// least informative, are left out first. Sets `inlier` of the others. `min_support`: inliers
+  /// least informative, are left out first. Sets `inlier` of the others. `min_inliers`: inliers
   /// that RANSAC must find. Errors, in the result: as Filter::update_pixels(); no match is then an
   /// inlier.
-  PixelUpdate update(FrameContext& frame, Matches& matches, int min_support);
+  PixelUpdate update(FrameContext& frame, Matches& matches, int min_inliers);
 
   /// Takes the patch of a landmark that has none, seen at `pixel`. False where it has one, or the
   /// frame cannot pay for it. Near the image border it stays without, until it is seen elsewhere.
@@ -129,10 +129,10 @@ int VehicleEstimate<Filter>::update_work(int matches) const {
 
 template <class Filter>
 PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matches,
-                                            int min_support) {
+                                            int min_inliers) {
   PixelUpdate result;
   OnePointRansacParameters ransac = ransac_;
-  ransac.min_support = min_support;
+  ransac.min_inliers = min_inliers;
   filter_.set_ransac(ransac);
   const int used =
       affordable_matches(matches.size(), frame.work, [&](int n) { return update_work(n); });

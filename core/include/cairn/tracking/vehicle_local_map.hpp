@@ -22,7 +22,7 @@ class VehicleLocalMap {
  public:
   static constexpr int kMaxLandmarks = Config::kMaxLandmarks;
   using Supply = FeatureSupply<Config::kMaxImageWidth>;
-  using Seeds = SeedPool<Config::kMaxCandidates, Config::kMaxKeyframes>;
+  using Seeds = SeedPool<Config::kMaxSeeds, Config::kMaxKeyframes>;
   using Estimate = VehicleEstimate<Filter>;
   using Frame = VehicleFrame<Config>;
 
@@ -217,12 +217,12 @@ void VehicleLocalMap<Config, Filter>::add_landmarks(Frame& frame, Estimate& esti
                                                     const SeedParameters& seeds) {
   for (int i = 0; i < parameters_.max_new_landmarks_per_frame; ++i) {
     ConvergedSeed seed;
-    if (!frame.work.affords(work::kPromotion)) {
+    if (!frame.work.affords(work::kLandmarkInitialisation)) {
       frame.work.cut_mapping();
       return;
     }
     if (!seeds_.take_converged(frame.camera, seeds, seed)) return;
-    frame.work.spend(work::kPromotion);
+    frame.work.spend(work::kLandmarkInitialisation);
     if (!add_landmark(frame, estimate, seed)) ++frame.health.landmarks_refused;
   }
 }

@@ -137,7 +137,7 @@ void VehicleMapReuse<Config, Filter>::reactivate(Frame& frame, Estimate& estimat
   for (int i = 0; i < count && reactivated < parameters_.max_reactivations_per_frame; ++i) {
     if (estimate.size() + kReserve >= kMaxLandmarks) return;
     if (!archive_.policy().allows(visible[i].id)) continue;
-    if (!frame.work.take(work::kPromotion)) return;
+    if (!frame.work.take(work::kLandmarkInitialisation)) return;
     reactivated += archive_.reactivate(frame, estimate, library[visible[i].slot]) ? 1 : 0;
   }
 }
@@ -236,8 +236,8 @@ PlaceVerification VehicleMapReuse<Config, Filter>::verify(Frame& frame, Estimate
   reactivate_matches(frame, estimate, library, scratch, reactivated);
   result.matches = scratch.matches.size();
   if (result.matches > 0) {
-    result.update =
-        estimate.update(frame, scratch.matches, monitor.min_place_support(scratch.matches.size()));
+    result.update = estimate.update(frame, scratch.matches,
+                                    monitor.min_relocalisation_inliers(scratch.matches.size()));
   }
   result.updated = true;
   result.confirmed = result.update.inliers > 0;
@@ -272,7 +272,7 @@ void VehicleMapReuse<Config, Filter>::reactivate_matches(
   for (int i = scratch.matches.size() - 1; i >= 0; --i) {
     PixelMatch<float>& match = scratch.matches[i];
     if (estimate.filter().find(match.id) >= 0) continue;
-    if (frame.work.take(work::kPromotion) &&
+    if (frame.work.take(work::kLandmarkInitialisation) &&
         archive_.reactivate(frame, estimate, library[match.slot])) {
       reactivated.push_back(match.id);
     } else {

@@ -47,9 +47,10 @@ inline constexpr int fast(int width, int height, int candidates) {
   return counted < fast(width, height) ? counted : fast(width, height);
 }
 
-inline constexpr int kFrame = 150;     ///< prediction, lists, reports
-inline constexpr int kRemoval = 60;    ///< of a landmark, with its archiving
-inline constexpr int kPromotion = 90;  ///< a seed or a library landmark becomes a landmark
+inline constexpr int kFrame = 150;   ///< prediction, lists, reports
+inline constexpr int kRemoval = 60;  ///< of a landmark, with its archiving
+inline constexpr int kLandmarkInitialisation =
+    90;  ///< a seed or a library landmark becomes a landmark
 inline constexpr int kKeyframe = 60;
 inline constexpr int kLibrarySlot = 3;  ///< projection of a library landmark
 
@@ -67,10 +68,10 @@ inline int height_update(int states) {
   return 8 + states / 8 + states * states / 90;
 }
 
-inline constexpr int kRefinement = 400;  ///< refine_pose() with 24 points, 8 iterations
-inline constexpr int kMonoFrame = 120;   ///< MonoEkf's prediction, plan, reports
-inline constexpr int kBirth = 40;        ///< MonoEkf::add_feature()
-inline constexpr int kArchiving = 30;    ///< of a MonoEkf feature
+inline constexpr int kRefinement = 400;            ///< refine_pose() with 24 points, 8 iterations
+inline constexpr int kMonoFrame = 120;             ///< MonoEkf's prediction, plan, reports
+inline constexpr int kFeatureInitialisation = 40;  ///< MonoEkf::add_feature()
+inline constexpr int kArchiving = 30;              ///< of a MonoEkf feature
 
 /// MonoEkf::update() with `features` in the map, `hypotheses` of `matches`, and `used` of them.
 inline constexpr int mono_update(int states, int features, int matches, int hypotheses, int used) {

@@ -78,15 +78,15 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::add_feature(LandmarkId id, const Vec
   Feature feature;
   feature.id = id;
   feature.kind = with_depth ? FeatureKind::kInverseDepth : FeatureKind::kDirection;
-  feature.anchor = with_depth ? anchor_for_birth() : -1;
+  feature.anchor = with_depth ? anchor_for_new_feature() : -1;
   feature.at = covariance_.size();
   feature.first_inverse_depth = inverse_depth;
   const Vector<T, 4> q = quaternion_at(x_);
-  feature.R_world_birth = mono::rotation_matrix<T>(q);
+  feature.R_world_feature = mono::rotation_matrix<T>(q);
   const mono::Angles<T> angles = mono::angles_of<T>(ray.ray_camera);
 
   // Angles of B^T R(q) ray, where B is the present value of R and stays constant.
-  const Matrix<T, 2, 4> wrt_q = angles.wrt_v * (feature.R_world_birth.transpose() *
+  const Matrix<T, 2, 4> wrt_q = angles.wrt_v * (feature.R_world_feature.transpose() *
                                                 mono::rotated_wrt_quaternion<T>(q, ray.ray_camera));
   const Matrix2<T> wrt_pixel = angles.wrt_v * ray.wrt_pixel;
   const Vector2<T> wrt_focal = angles.wrt_v * ray.wrt_focal;
@@ -120,7 +120,7 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::append_feature(const Rows3& rows, cons
 /// Anchor at the present camera position: the one of this frame, a new one, or the least used one
 /// moved here.
 template <class T, int MaxFeatures, int MaxAnchors>
-int MonoEkf<T, MaxFeatures, MaxAnchors>::anchor_for_birth() {
+int MonoEkf<T, MaxFeatures, MaxAnchors>::anchor_for_new_feature() {
   int anchor = parameters_.share_anchors ? frame_anchor_ : -1;
   if (anchor < 0) {
     if (anchor_count_ < MaxAnchors) {
@@ -155,7 +155,7 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::move_to_camera(Feature& feature) {
   const T rho = x_[feature.at + 2];
   const Vector3<T> offset = vector3_at(x_, anchors_[feature.anchor].at) - position_at(x_);
   const mono::Direction<T> m = mono::direction<T>(x_[feature.at], x_[feature.at + 1]);
-  const Vector3<T> w = rho * offset + feature.R_world_birth * m.m;
+  const Vector3<T> w = rho * offset + feature.R_world_feature * m.m;
   const T length = sqrt(w.dot(w));
   if (!(length > T(1e-3))) return;  // the point lies in the camera: leave its angles as they are
 
@@ -173,7 +173,7 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::move_to_camera(Feature& feature) {
   add_position_run(rows, Matrix3<T>(-rho * wrt_w));
   rows.add_run(anchors_[feature.anchor].at, Matrix3<T>(rho * wrt_w));
   Matrix3<T> wrt_feature;
-  wrt_feature.template leftCols<2>() = wrt_w * (feature.R_world_birth * m.wrt_angles);
+  wrt_feature.template leftCols<2>() = wrt_w * (feature.R_world_feature * m.wrt_angles);
   wrt_feature.col(2) = wrt_w * offset;
   wrt_feature(2, 2) += T(1) / length;
   rows.add_run(feature.at, wrt_feature);
@@ -182,9 +182,9 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::move_to_camera(Feature& feature) {
   x_[feature.at + 1] = T(0);
   x_[feature.at + 2] = rho / length;
   feature.first_inverse_depth = rho / length;
-  feature.R_world_birth.col(0) = x_axis;
-  feature.R_world_birth.col(1) = y_axis;
-  feature.R_world_birth.col(2) = z;
+  feature.R_world_feature.col(0) = x_axis;
+  feature.R_world_feature.col(1) = y_axis;
+  feature.R_world_feature.col(2) = z;
 }
 
 template <class T, int MaxFeatures, int MaxAnchors>
@@ -258,103 +258,6 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::remove_block(int at) {
   for (int i = 0; i < anchor_count_; ++i) {
     if (anchors_[i].at == last) anchors_[i].at = at;
   }
-}
-
-/// Linearity index of the depth, L = 4 sigma_d |cos alpha| / d_1 with sigma_d = sigma_rho / rho^2,
-/// alpha the parallax angle and d_1 the distance from the camera: Civera et al. 2008, eq. 31.
-template <class T, int MaxFeatures, int MaxAnchors>
-bool MonoEkf<T, MaxFeatures, MaxAnchors>::is_linear(const Feature& feature) const {
-  const T rho = x_[feature.at + 2];
-  const T variance = covariance_(feature.at + 2, feature.at + 2);
-  if (!(rho > parameters_.min_inverse_depth) || !(variance > T(0))) return false;
-  const Vector3<T> m =
-      feature.R_world_birth * mono::direction<T>(x_[feature.at], x_[feature.at + 1]).m;
-  const Vector3<T> from_camera =
-      vector3_at(x_, anchors_[feature.anchor].at) + m / rho - position_at(x_);
-  const T distance_squared = from_camera.dot(from_camera);
-  const T sigma_depth = sqrt(variance) / square(rho);
-  // |cos alpha| / d_1 = |m . h| / d_1^2
-  return T(4) * sigma_depth * abs(m.dot(from_camera)) <
-         parameters_.linearity_threshold * distance_squared;
-}
-
-template <class T, int MaxFeatures, int MaxAnchors>
-void MonoEkf<T, MaxFeatures, MaxAnchors>::convert_linear_features() {
-  int converted = 0;
-  for (int k = 0; k < feature_count_ && converted < parameters_.max_conversions_per_update; ++k) {
-    Feature& feature = features_[(next_conversion_ + k) % feature_count_];
-    if (feature.kind != FeatureKind::kInverseDepth || !is_linear(feature)) continue;
-    convert_to_point(feature);
-    ++converted;
-  }
-  next_conversion_ = (next_conversion_ + converted) % MaxFeatures;
-}
-
-template <class T, int MaxFeatures, int MaxAnchors>
-void MonoEkf<T, MaxFeatures, MaxAnchors>::point_rows(const Feature& feature, Vector3<T>& p_world,
-                                                     Rows3& rows) const {
-  if (feature.kind == FeatureKind::kPoint) {
-    p_world = vector3_at(x_, feature.at);
-    rows.add_run(feature.at, Matrix3<T>(Matrix3<T>::Identity()));
-    return;
-  }
-  const T rho = x_[feature.at + 2];
-  const mono::Direction<T> m = mono::direction<T>(x_[feature.at], x_[feature.at + 1]);
-  const Vector3<T> ray = feature.R_world_birth * m.m;
-  const int anchor = anchors_[feature.anchor].at;
-  p_world = vector3_at(x_, anchor) + ray / rho;
-  rows.add_run(anchor, Matrix3<T>(Matrix3<T>::Identity()));
-  Matrix3<T> wrt_feature;
-  wrt_feature.template leftCols<2>() = (feature.R_world_birth * m.wrt_angles) / rho;
-  wrt_feature.col(2) = -ray / square(rho);
-  rows.add_run(feature.at, wrt_feature);
-}
-
-template <class T, int MaxFeatures, int MaxAnchors>
-void MonoEkf<T, MaxFeatures, MaxAnchors>::convert_to_point(Feature& feature) {
-  Vector3<T> p_world;
-  Rows3 rows;
-  point_rows(feature, p_world, rows);
-  mono::compose_block(covariance_, feature.at, rows, Matrix3<T>(Matrix3<T>::Zero()), scratch_);
-  for (int i = 0; i < 3; ++i) x_[feature.at + i] = p_world(i);
-  feature.kind = FeatureKind::kPoint;
-  const int anchor = feature.anchor;
-  feature.anchor = -1;
-  release_anchor(anchor);
-}
-
-template <class T, int MaxFeatures, int MaxAnchors>
-Status MonoEkf<T, MaxFeatures, MaxAnchors>::feature_position(int slot, Vector3<T>& p_world,
-                                                             Matrix3<T>& covariance) const {
-  if (slot < 0 || slot >= feature_count_) return Status::kInvalidArgument;
-  if (features_[slot].kind == FeatureKind::kDirection) return Status::kDegenerate;
-  Rows3 rows;
-  point_rows(features_[slot], p_world, rows);
-  covariance = mono::quadratic(rows, covariance_);
-  return Status::kOk;
-}
-
-template <class T, int MaxFeatures, int MaxAnchors>
-Status MonoEkf<T, MaxFeatures, MaxAnchors>::feature_inverse_depth(int slot, T& inverse_depth,
-                                                                  T& sigma) const {
-  Vector3<T> p_world;
-  Matrix3<T> covariance;
-  const Status status = feature_position(slot, p_world, covariance);
-  if (!ok(status)) return status;
-  const Feature& feature = features_[slot];
-  T variance = T(0);
-  if (feature.kind == FeatureKind::kInverseDepth) {
-    inverse_depth = x_[feature.at + 2];
-    variance = covariance_(feature.at + 2, feature.at + 2);
-  } else {
-    const Vector3<T> ray = p_world - position_at(x_);
-    const T squared = ray.dot(ray);
-    if (!(squared > T(1e-6))) return Status::kDegenerate;
-    inverse_depth = T(1) / sqrt(squared);
-    variance = ray.dot(covariance * ray) / (squared * squared * squared);
-  }
-  sigma = variance > T(0) ? sqrt(variance) : T(0);
-  return Status::kOk;
 }
 
 template <class T, int MaxFeatures, int MaxAnchors>

@@ -24,7 +24,7 @@ Vector3<T> MonoEkf<T, MaxFeatures, MaxAnchors>::ray_at(const T* x, const Feature
                                                        T inverse_depth) const {
   if (feature.kind == FeatureKind::kPoint) return vector3_at(x, feature.at) - position_at(x);
   const Vector3<T> m =
-      feature.R_world_birth * mono::direction<T>(x[feature.at], x[feature.at + 1]).m;
+      feature.R_world_feature * mono::direction<T>(x[feature.at], x[feature.at + 1]).m;
   if (feature.kind == FeatureKind::kDirection) return m;
   const Vector3<T> anchor = vector3_at(x, anchors_[feature.anchor].at);
   return inverse_depth * (anchor - position_at(x)) + m;
@@ -103,7 +103,7 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::linearise(int slot, Vector2<T>& pixe
     return Status::kOk;
   }
   const mono::Direction<T> m = mono::direction<T>(x_[feature.at], x_[feature.at + 1]);
-  const Matrix2<T> wrt_angles = h.wrt_ray * (feature.R_world_birth * m.wrt_angles);
+  const Matrix2<T> wrt_angles = h.wrt_ray * (feature.R_world_feature * m.wrt_angles);
   if (feature.kind == FeatureKind::kDirection) {
     add_camera_run(rows, Matrix<T, 2, 3>::Zero(), h.wrt_q, h.wrt_focal);
     rows.add_run(feature.at, wrt_angles);

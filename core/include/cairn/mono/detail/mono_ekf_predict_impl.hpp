@@ -133,6 +133,15 @@ Vector3<T> MonoEkf<T, MaxFeatures, MaxAnchors>::position_at(const T* x) const {
 }
 
 template <class T, int MaxFeatures, int MaxAnchors>
+Status MonoEkf<T, MaxFeatures, MaxAnchors>::set_motion_noise(T velocity_noise, T rate_noise) {
+  if (!is_finite(velocity_noise) || !is_finite(rate_noise)) return Status::kNonFiniteInput;
+  if (velocity_noise < T(0) || rate_noise < T(0)) return Status::kInvalidArgument;
+  parameters_.velocity_noise = velocity_noise;
+  parameters_.rate_noise = rate_noise;
+  return Status::kOk;
+}
+
+template <class T, int MaxFeatures, int MaxAnchors>
 Status MonoEkf<T, MaxFeatures, MaxAnchors>::predict(T dt_s) {
   if (!initialised_) return Status::kNotInitialised;
   if (!is_finite(dt_s)) {

@@ -62,7 +62,7 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_hypothesis(const PixelMatch<T>
   const T g1 = ib * nu.x() + ic * nu.y();
   T x[kMaxStates];
   for (int i = 0; i < covariance_.size(); ++i) x[i] = x_[i] + (gain[0][i] * g0 + gain[1][i] * g1);
-  return support_of(x, matches, count, inliers);
+  return mark_inliers(x, matches, count, inliers);
 }
 
 /// The same of three matches, one after the other on the parts of P that are left.
@@ -76,29 +76,29 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_triple(const PixelMatch<T>* ma
     if (!fuse(matches[candidates[k]], k, x, nis)) return 0;
   }
   for (int i = 0; i < covariance_.size(); ++i) x[i] += x_[i];
-  return support_of(x, matches, count, inliers);
+  return mark_inliers(x, matches, count, inliers);
 }
 
 /// Normalises the quaternion of x, and marks and counts the matches that fit the state x.
 template <class T, int MaxFeatures, int MaxAnchors>
-int MonoEkf<T, MaxFeatures, MaxAnchors>::support_of(T* x, const PixelMatch<T>* matches, int count,
-                                                    bool* inliers) const {
+int MonoEkf<T, MaxFeatures, MaxAnchors>::mark_inliers(T* x, const PixelMatch<T>* matches, int count,
+                                                      bool* inliers) const {
   const Vector<T, 4> q = quaternion_at(x);
   const T norm = sqrt(q.dot(q));
   if (!(norm > T(0.1))) return 0;
   for (int i = 0; i < 4; ++i) x[layout_.quaternion + i] /= norm;
 
-  const T limit = parameters_.support_gate * square(parameters_.sigma_px);
-  int support = 0;
+  const T limit = parameters_.inlier_gate * square(parameters_.sigma_px);
+  int inlier_count = 0;
   for (int j = 0; j < count; ++j) {
     Vector2<T> expected;
     if (!ok(pixel_at(x, matches[j].slot, expected))) continue;
     const Vector2<T> difference = matches[j].pixel - expected;
     if (!(difference.dot(difference) < limit)) continue;
     inliers[j] = true;
-    ++support;
+    ++inlier_count;
   }
-  return support;
+  return inlier_count;
 }
 
 /// Strong tracking (Zhou and Frank 1996): the factor lambda by which H F P F' H' falls short of
@@ -267,7 +267,7 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int c
   };
   OnePointRansacResult<MaxFeatures> best =
       one_point_ransac<MaxFeatures>(count, parameters_.ransac, random, evaluate);
-  if (static_cast<T>(best.support) < parameters_.enough_support * static_cast<T>(count)) {
+  if (static_cast<T>(best.inlier_count) < parameters_.enough_inliers * static_cast<T>(count)) {
     const auto evaluate_three = [&](const int* candidates, bool* inliers) {
       return evaluate_triple(matches, count, candidates, inliers);
     };

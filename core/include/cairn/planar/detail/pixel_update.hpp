@@ -131,7 +131,7 @@ class PixelUpdate {
     const auto& model = filter_.model_;
     if (!update.add_to_empty_batch(model, filter_.observations_[candidate])) return 0;
     const auto retraction = model.retraction(update.correction());
-    int support = 0;
+    int inlier_count = 0;
     for (int k = 0; k < candidates_; ++k) {
       if (k != candidate) {
         const Linearised& other = filter_.observations_[k];
@@ -155,9 +155,9 @@ class PixelUpdate {
         if (!(squared <= filter_.parameters_.ransac_threshold)) continue;
       }
       inliers[k] = true;
-      ++support;
+      ++inlier_count;
     }
-    return support;
+    return inlier_count;
   }
 
   /// A gate that refuses most matches is evidence, matches that disagree are none. The next

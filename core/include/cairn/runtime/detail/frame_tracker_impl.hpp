@@ -131,10 +131,10 @@ int FrameTracker<Config, Filter>::planned_searches() const {
 template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   typename Measurement::Matches& matches = measurement_.matches();
-  if (!matches.empty() && monitor_.worth_an_update(measurement_.counts())) {
-    const int support = monitor_.min_support(measurement_.counts(), estimate_.min_support());
+  if (!matches.empty() && monitor_.enough_matches(measurement_.counts())) {
+    const int inlier_count = monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
     const PlanarPose<float> predicted = filter().mean_pose();
-    const PixelUpdate update = estimate_.update(frame, matches, support);
+    const PixelUpdate update = estimate_.update(frame, matches, inlier_count);
     measurement_.note_update(update);
     if (monitor_.holds(measurement_.counts())) note_correction(predicted);
     frame.report.update = update.report;
