@@ -176,7 +176,7 @@ ErrorVector<World> difference(const World& from, const World& to) {
   d(2) = to.mean_pose().heading - from.mean_pose().heading;
   for (int slot = 0; slot < kSlots; ++slot) {
     for (int i = 0; i < 3; ++i) {
-      d(World::state_of(slot) + i) = to.landmark(slot)[i] - from.landmark(slot)[i];
+      d(to.state_of(slot) + i) = to.landmark(slot)[i] - from.landmark(slot)[i];
     }
   }
   return d;
@@ -192,7 +192,7 @@ ErrorVector<Group> difference(const Group& from, const Group& to) {
   };
   xi(from.vehicle(), to.vehicle(), d.data() + 1);
   for (int slot = 0; slot < kSlots; ++slot) {
-    double* l = d.data() + Group::state_of(slot);
+    double* l = d.data() + to.state_of(slot);
     xi(from.landmark(slot), to.landmark(slot), l);
     l[2] = to.landmark(slot)[2] - from.landmark(slot)[2];
   }
@@ -269,7 +269,7 @@ TYPED_TEST(ErrorModel, RemovingALandmarkMovesTheLastIntoItsSlot) {
   const Body last = body_of(this->model_, kSlots - 1);
   const Matrix3<double> covariance = this->model_.landmark_covariance(kSlots - 1);
   this->model_.remove_landmark(0);
-  EXPECT_EQ(this->states(), TypeParam::state_of(kSlots - 1));
+  EXPECT_EQ(this->states(), this->model_.state_of(kSlots - 1));
   EXPECT_LT((body_of(this->model_, 0) - last).norm(), 1e-15);
   EXPECT_LT((this->model_.landmark_covariance(0) - covariance).cwiseAbs().maxCoeff(), 1e-15);
 }

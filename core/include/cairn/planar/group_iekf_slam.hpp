@@ -18,7 +18,7 @@ namespace cairn {
 ///
 /// T is float or double; LandmarkDim 2 (points on the plane) or 3 (with height, for the camera).
 /// Interface: PlanarSlam.
-template <class T, int MaxLandmarks, int LandmarkDim = 2>
-using GroupIekfSlam = PlanarSlam<GroupErrorModel<T, MaxLandmarks, LandmarkDim>>;
+template <class T, int MaxLandmarks, int LandmarkDim = 2, int TiltStates = LandmarkDim == 3 ? 2 : 0>
+using GroupIekfSlam = PlanarSlam<GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>>;
 
 }  // namespace cairn

@@ -13,6 +13,7 @@
 #include "cairn/planar/detail/rest.hpp"
 #include "cairn/planar/detail/whitened_update.hpp"
 #include "cairn/planar/increment.hpp"
+#include "cairn/planar/observation/camera_view.hpp"
 #include "cairn/planar/observation/point.hpp"
 #include "cairn/planar/observation/range_bearing.hpp"
 #include "cairn/planar/types.hpp"
@@ -60,6 +61,9 @@ class PlanarSlam {
   /// Whether landmarks known in the world can be added. Where not, add_world_landmark(),
   /// add_world_position(), add_framed_landmark() and widen_frame() return kInvalidArgument.
   static constexpr bool kHasWorldLandmarks = ErrorModel::kHasWorldLandmarks;
+  /// Whether the vehicle's body can tilt (PlanarParameters::tilt). A body that cannot is level:
+  /// predict_tilt() does nothing, and initialise() refuses a tilt.
+  static constexpr bool kTilts = ErrorModel::kTiltStates > 0;
   using LandmarkVector = Vector<Scalar, kLandmarkDim>;
   using LandmarkMatrix = Matrix<Scalar, kLandmarkDim, kLandmarkDim>;
 
@@ -74,6 +78,11 @@ class PlanarSlam {
   /// also widens the pose. At rest the noise is held until an update drops it (rest_sigmas) or it
   /// grows beyond 2 cm or 10 mrad; until then no covariance shows it.
   Status predict(const PlanarIncrement<Scalar>& increment);
+
+  /// Lets the body's tilt return to zero for `dt_s` seconds, with its noise; once a frame suffices.
+  /// At rest the noise is held as the odometry's. Nothing to do for a body that does not tilt.
+  /// Errors: kNotInitialised, kInvalidArgument (negative, not finite).
+  Status predict_tilt(Scalar dt_s);
 
   /// Updates with observations of landmarks by any sensor. `Sensor` is an observation model over
   /// some `Observation` with an `id`:
@@ -192,6 +201,24 @@ class PlanarSlam {
   Status widen_pose(Scalar position_variance, Scalar heading_variance);
 
   bool initialised() const { return initialised_; }
+  /// Whether the tilt is part of the state, its mean, and its covariance over (pitch, roll), rad^2.
+  bool tilts() const {
+    if constexpr (kTilts) return model_.tilts();
+    return false;
+  }
+  VehicleTilt<Scalar> tilt() const {
+    if constexpr (kTilts) return model_.tilt();
+    return {};
+  }
+  Matrix2<Scalar> tilt_covariance() const {
+    if constexpr (kTilts) return model_.tilt_covariance();
+    return Matrix2<Scalar>::Zero();
+  }
+  /// Variances of what `dt_s` seconds add to (pitch, roll), rad^2.
+  Vector2<Scalar> tilt_noise(Scalar dt_s) const {
+    if (!tilts()) return Vector2<Scalar>::Zero();
+    return parameters_.tilt.noise(parameters_.tilt.decay(dt_s));
+  }
   /// Mean pose, the point of linearisation: what images are registered with.
   PlanarPose<Scalar> mean_pose() const { return model_.mean_pose(); }
   /// Mean landmark, the partner of mean_pose(), m.
@@ -206,8 +233,9 @@ class PlanarSlam {
   /// pose is wrong by; in the world's axes (LiftedIekfSlam: the vehicle's).
   LandmarkMatrix relative_landmark_covariance(int slot) const;
   /// Element of the covariance of the error model's own error, deferred noise included: EkfSlam (x,
-  /// y, heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks), LiftedIekfSlam its lifted
-  /// state. i, j < state_size().
+  /// y, heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks), both with pitch and roll
+  /// before the landmarks where the body tilts; LiftedIekfSlam its lifted state. i, j <
+  /// state_size().
   Scalar error_covariance(int i, int j) const { return model_.error_covariance(i, j); }
 
   int landmark_count() const { return slots_.size(); }
@@ -239,8 +267,12 @@ class PlanarSlam {
   Status check_observations(Span<Observation> observations, const Sensor& sensor);
   template <class Observation, class Sensor>
   int collect(Span<Observation> observations, const Sensor& sensor, UpdateReport& report);
-  bool admit(const Linearised& observation, const RelativeCovariance<T>& relative, T gate,
+  bool admit(const Linearised& observation, const InnovationCovariance<T>& s, T gate,
              UpdateReport& report);
+  InnovationCovariance<T> innovation_of(const Linearised& observation,
+                                        const RelativeCovariance<T>& covariance) const;
+  CameraView<T> camera_view(const PinholeCamera<T>& camera, const Rigid<T>& T_vehicle_camera,
+                            T sigma_px) const;
   bool tells_nothing_new(int count, UpdateReport& report);
   void end_rest();
   void refuse(int slot, UpdateReport& report);

@@ -5,6 +5,7 @@
 #include "cairn/estimation/observation.hpp"
 #include "cairn/estimation/one_point_ransac.hpp"
 #include "cairn/geometry/types.hpp"
+#include "cairn/planar/tilt.hpp"
 
 namespace cairn {
 
@@ -52,6 +53,9 @@ struct PlanarParameters {
   /// of what is expected confirms that the vehicle rests: it counts, changes nothing, and the
   /// odometry noise since the last one is dropped. 0: every update is applied.
   T rest_sigmas = T(4);
+
+  /// None by default: the floor is flat and the vehicle has no suspension.
+  TiltParameters<T> tilt;
 
   /// A vehicle with odometry needs fewer inliers than a hand-held camera.
   OnePointRansacParameters ransac = {0.99F, 16, 3, 0.5F};

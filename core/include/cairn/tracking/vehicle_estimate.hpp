@@ -44,8 +44,18 @@ class VehicleEstimate {
   Filter& filter() { return filter_; }
   const PinholeCamera<float>& camera() const { return camera_; }
   const Rigid<float>& T_vehicle_camera() const { return T_vehicle_camera_; }
+  /// The vehicle on the floor, level.
   Rigid<float> T_world_vehicle() const { return on_floor(filter_.mean_pose()); }
-  Rigid<float> T_world_camera() const { return T_world_vehicle() * T_vehicle_camera_; }
+  /// The camera on the level vehicle, with the body's tilt.
+  Rigid<float> T_level_camera() const {
+    if (!filter_.tilts()) return T_vehicle_camera_;
+    return filter_.tilt().T_level_vehicle() * T_vehicle_camera_;
+  }
+  Rigid<float> T_world_camera() const { return T_world_vehicle() * T_level_camera(); }
+  /// Covariance of the body's (pitch, roll), rad^2; zero for one that does not tilt.
+  Matrix2<float> tilt_covariance() const { return filter_.tilt_covariance(); }
+  /// Variances that a step of `step_s` seconds adds to it.
+  Vector2<float> tilt_noise(float step_s) const { return filter_.tilt_noise(step_s); }
 
   const Landmarks& landmarks() const { return landmarks_; }
   Landmarks& landmarks() { return landmarks_; }
@@ -91,6 +101,9 @@ class VehicleEstimate {
   void remove(FrameContext& frame, int slot);
 
  private:
+  /// Of a filter whose error is that of pose, tilt and landmarks.
+  int state_count() const { return (filter_.tilts() ? 5 : 3) + 3 * filter_.landmark_count(); }
+
   Filter filter_;
   Landmarks landmarks_;
   LandmarkId next_id_ = 1;
@@ -123,7 +136,7 @@ Status VehicleEstimate<Filter>::initialise(const PinholeCamera<float>& camera,
 template <class Filter>
 int VehicleEstimate<Filter>::update_work(int matches) const {
   const int most = ransac_.max_hypotheses;
-  const int states = 3 + 3 * filter_.landmark_count();
+  const int states = state_count();
   return work::planar_update(states, matches, matches < most ? matches : most, matches);
 }
 
@@ -141,8 +154,8 @@ PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matche
   if (result.left_out > 0) frame.work.raise_cut(FrameCut::kFewerUpdates);
   result.status = filter_.update_pixels(camera_, T_vehicle_camera_, sigma_px_, matches.data(),
                                         matches.size(), frame.random, result.report);
-  frame.work.spend(work::planar_update(3 + 3 * filter_.landmark_count(), matches.size(),
-                                       result.report.hypotheses, result.report.nis_dof / 2));
+  frame.work.spend(work::planar_update(state_count(), matches.size(), result.report.hypotheses,
+                                       result.report.nis_dof / 2));
   for (PixelMatch<float>& match : matches) {
     if (!ok(result.status)) match.inlier = false;
     result.inliers += match.inlier ? 1 : 0;
@@ -157,7 +170,7 @@ void VehicleEstimate<Filter>::constrain_to_floor(FrameContext& frame, TrackedLan
   const int slot = filter_.find(landmark.id);
   const float variance = filter_.landmark_covariance(slot)(2, 2);
   if (variance > square(floor_.height_sigma_max_m)) return;
-  const int most = work::height_update(3 + 3 * filter_.landmark_count());
+  const int most = work::height_update(state_count());
   if (!frame.work.affords(most)) return;
   landmark.floor_tested = true;
   const Status used = filter_.update_height(landmark.id, 0.0F, floor_.sigma_m, floor_.gate);

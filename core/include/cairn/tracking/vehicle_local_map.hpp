@@ -238,7 +238,7 @@ bool VehicleLocalMap<Config, Filter>::add_landmark(Frame& frame, Estimate& estim
   if (slot < 0) return false;
   const Rigid<float>& T_vehicle_camera = estimate.T_vehicle_camera();
   const Rigid<float> T_world_vehicle = estimate.T_world_vehicle();
-  const Rigid<float> T_world_camera = T_world_vehicle * T_vehicle_camera;
+  const Rigid<float> T_world_camera = estimate.T_world_camera();
   const Quaternion<float> R_world_first = T_world_camera.rotation * seed.T_camera_first.rotation;
   const Quaternion<float> R_world_past = R_world_first * T_vehicle_camera.rotation.conjugate();
   const Vector3<float> first_camera =

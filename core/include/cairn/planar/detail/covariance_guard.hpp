@@ -16,7 +16,7 @@ template <class Model>
 class CovarianceGuard {
   using T = typename Model::Scalar;
   static constexpr int kLandmark = Model::kLandmarkStates;
-  static constexpr int kJoint = Model::kVehicleStates + 2 * kLandmark;
+  static constexpr int kMostJoint = Model::kVehicleStates + 2 * kLandmark;
   static constexpr int kPairs = 4;
 
  public:
@@ -69,27 +69,29 @@ class CovarianceGuard {
     }
   }
 
-  int state(int k) const {
-    if (k < Model::kVehicleStates) return k;
-    const int l = k - Model::kVehicleStates;
-    return l < kLandmark ? Model::state_of(first_) + l : Model::state_of(second_) + l - kLandmark;
+  static int joint_states(const Model& model) { return model.vehicle_states() + 2 * kLandmark; }
+  int state(const Model& model, int k) const {
+    if (k < model.vehicle_states()) return k;
+    const int l = k - model.vehicle_states();
+    return l < kLandmark ? model.state_of(first_) + l : model.state_of(second_) + l - kLandmark;
   }
 
   /// L D L^T of the joint covariance; directions that rounding cannot tell from zero are left out.
   bool pair_sound(const Model& model) const {
     const auto& P = model.covariance();
-    T A[kJoint][kJoint];
-    T variance[kJoint];
-    for (int i = 0; i < kJoint; ++i) {
-      for (int j = 0; j <= i; ++j) A[i][j] = P(state(i), state(j));
+    T A[kMostJoint][kMostJoint];
+    T variance[kMostJoint];
+    const int joint = joint_states(model);
+    for (int i = 0; i < joint; ++i) {
+      for (int j = 0; j <= i; ++j) A[i][j] = P(state(model, i), state(model, j));
       variance[i] = A[i][i];
     }
-    for (int k = 0; k < kJoint; ++k) {
+    for (int k = 0; k < joint; ++k) {
       const T pivot = A[k][k];
       if (!(pivot >= -kZero * variance[k])) return false;
       if (pivot <= kZero * variance[k]) continue;
       const T inverse = T(1) / pivot;
-      for (int i = k + 1; i < kJoint; ++i) {
+      for (int i = k + 1; i < joint; ++i) {
         const T factor = A[i][k] * inverse;
         for (int j = k + 1; j <= i; ++j) A[i][j] -= factor * A[j][k];
       }
@@ -99,8 +101,8 @@ class CovarianceGuard {
 
   void raise_variances(Model& model) {
     auto& P = model.covariance();
-    for (int k = Model::kVehicleStates; k < kJoint; ++k) {
-      T& variance = P.row(state(k))[state(k)];
+    for (int k = model.vehicle_states(); k < joint_states(model); ++k) {
+      T& variance = P.row(state(model, k))[state(model, k)];
       variance += kRepair * variance;
     }
   }

@@ -16,9 +16,14 @@ class PixelUpdate {
   using Linearised = LinearisedObservation<T, 3>;
 
  public:
-  PixelUpdate(Filter& filter, const CameraView<T>& view, PixelMatch<T>* matches, int count,
-              UpdateReport& report)
-      : filter_(filter), view_(view), matches_(matches), count_(count), report_(report) {}
+  PixelUpdate(Filter& filter, const PinholeCamera<T>& camera, const Rigid<T>& T_vehicle_camera,
+              T sigma_px, PixelMatch<T>* matches, int count, UpdateReport& report)
+      : filter_(filter),
+        T_vehicle_camera_(T_vehicle_camera),
+        view_(camera, T_vehicle_camera, sigma_px),
+        matches_(matches),
+        count_(count),
+        report_(report) {}
 
   Status run(Random& random) {
     const Status status = check();
@@ -83,13 +88,26 @@ class PixelUpdate {
     return same ? match.slot : filter_.find(match.id);
   }
 
+  /// Takes the view of the camera at the mean as it is now.
+  void look() { view_ = filter_.camera_view(*view_.camera, T_vehicle_camera_, view_.sigma_px); }
+  /// The same where the mean is corrected by `d`, the axes of relative vectors staying.
+  CameraView<T> view_after([[maybe_unused]] const T* d) const {
+    CameraView<T> view = view_;
+    if constexpr (Filter::kTilts) {
+      if (view.tilts) {
+        view.mount(filter_.model_.tilt_after(d).T_level_vehicle() * T_vehicle_camera_);
+      }
+    }
+    return view;
+  }
+
   /// Fills observations_ with the matches inside their own gates; the number of them.
   int collect_candidates() {
     report_ = UpdateReport{};
     filter_.refused_count_ = 0;
     filter_.admitted_nis_ = T(0);
     filter_.singular_ = false;
-    view_.frame = filter_.model_.frame();
+    look();
     int candidates = 0;
     for (int i = 0; i < count_; ++i) {
       const int slot = slot_of(matches_[i]);
@@ -103,8 +121,9 @@ class PixelUpdate {
         filter_.refuse(slot, report_);
         continue;
       }
-      filter_.prior_[candidates] = innovation_covariance(candidate, covariance);
-      if (filter_.admit(candidate, covariance, filter_.parameters_.gate, report_)) ++candidates;
+      const InnovationCovariance<T> s = filter_.innovation_of(candidate, covariance);
+      filter_.prior_[candidates] = s;
+      if (filter_.admit(candidate, s, filter_.parameters_.gate, report_)) ++candidates;
     }
     return candidates;
   }
@@ -131,6 +150,7 @@ class PixelUpdate {
     const auto& model = filter_.model_;
     if (!update.add_to_empty_batch(model, filter_.observations_[candidate])) return 0;
     const auto retraction = model.retraction(update.correction());
+    const CameraView<T> view = view_after(update.correction());
     int inlier_count = 0;
     for (int k = 0; k < candidates_; ++k) {
       if (k != candidate) {
@@ -138,17 +158,17 @@ class PixelUpdate {
         T relative[3];
         model.relative_after(other.slot, update.correction(), retraction, relative);
         Vector2<T> pixel;
-        if (!ok(view_.camera->project(view_.to_camera(relative), pixel))) continue;
+        if (!ok(view.camera->project(view.to_camera(relative), pixel))) continue;
         const Vector2<T>& measured = matches_[other.source].pixel;
         const T residual[2] = {measured.x() - pixel.x(), measured.y() - pixel.y()};
         InnovationCovariance<T> left = filter_.prior_[k];
+        const TiltRows<T> tilt = update.tilt_rows(model, other);
         for (int r = 0; r < 2; ++r) {
-          model.relative_of(other.slot, update.direction(r), relative);
-          const T f0 = other.row(0, relative);
-          const T f1 = other.row(1, relative);
-          left.s00 -= f0 * f0;
-          left.s01 -= f0 * f1;
-          left.s11 -= f1 * f1;
+          T f[2];
+          update.rows_of(model, other, tilt, update.direction(r), f);
+          left.s00 -= f[0] * f[0];
+          left.s01 -= f[0] * f[1];
+          left.s11 -= f[1] * f[1];
         }
         T squared = T(0);
         if (!left.mahalanobis(residual, squared)) continue;
@@ -198,7 +218,7 @@ class PixelUpdate {
   /// Linearises observations_[0 .. count) at the mean as it is now. Those that have no pixel there
   /// go to the end; the number of the others.
   int relinearise(int count) {
-    view_.frame = filter_.model_.frame();
+    look();
     int k = 0;
     while (k < count) {
       RelativeCovariance<T> covariance;
@@ -214,7 +234,7 @@ class PixelUpdate {
   /// Linearises the candidates from `first` on at the corrected state and keeps, from `first` on,
   /// those inside the rescue gate there; the number kept.
   int rescue(int first) {
-    view_.frame = filter_.model_.frame();
+    look();
     int kept = 0;
     for (int k = first; k < candidates_; ++k) {
       Linearised& rescued = filter_.observations_[first + kept];
@@ -225,12 +245,14 @@ class PixelUpdate {
         filter_.refuse(rescued.slot, report_);
         continue;
       }
-      if (filter_.admit(rescued, covariance, filter_.parameters_.rescue_gate, report_)) ++kept;
+      const InnovationCovariance<T> s = filter_.innovation_of(rescued, covariance);
+      if (filter_.admit(rescued, s, filter_.parameters_.rescue_gate, report_)) ++kept;
     }
     return kept;
   }
 
   Filter& filter_;
+  const Rigid<T>& T_vehicle_camera_;
   CameraView<T> view_;
   PixelMatch<T>* matches_;
   int count_;

@@ -25,13 +25,13 @@ Status PlanarSlam<ErrorModel>::check_start(const PlanarPose<T>& pose, const Matr
   }
   if (abs(pose.heading) > T(1e4)) return Status::kInvalidArgument;
   const PlanarParameters<T>& p = parameters;
-  const bool sane = p.gate > T(0) && p.ransac_threshold > T(0) && p.rescue_gate > T(0) &&
-                    p.reacquire_after >= 0 && p.reacquire_landmark_after >= 1 &&
-                    p.reacquire_steps >= 0 && p.reacquire_steps <= 20 &&
-                    p.reacquire_position_m >= T(0) && p.reacquire_heading_rad >= T(0) &&
-                    p.reacquire_landmark_m >= T(0) && p.replace_after >= 0 &&
-                    p.rest_sigmas >= T(0) && p.ransac.max_hypotheses >= 1 &&
-                    p.ransac.probability > 0.0F && p.ransac.probability < 1.0F;
+  const bool sane =
+      p.gate > T(0) && p.ransac_threshold > T(0) && p.rescue_gate > T(0) &&
+      p.reacquire_after >= 0 && p.reacquire_landmark_after >= 1 && p.reacquire_steps >= 0 &&
+      p.reacquire_steps <= 20 && p.reacquire_position_m >= T(0) &&
+      p.reacquire_heading_rad >= T(0) && p.reacquire_landmark_m >= T(0) && p.replace_after >= 0 &&
+      p.rest_sigmas >= T(0) && p.tilt.valid() && (kTilts || !p.tilt.tilts()) &&
+      p.ransac.max_hypotheses >= 1 && p.ransac.probability > 0.0F && p.ransac.probability < 1.0F;
   return sane ? Status::kOk : Status::kBadConfig;
 }
 
@@ -44,6 +44,7 @@ Status PlanarSlam<ErrorModel>::initialise(const PlanarPose<T>& pose, const Matri
   health_ = Health{};
   slots_.clear();
   model_.start(pose, covariance);
+  if constexpr (kTilts) model_.start_tilt(parameters.tilt);
   updates_ = 0;
   reacquisition_.clear();
   rest_.clear();
@@ -72,13 +73,29 @@ Status PlanarSlam<ErrorModel>::predict(const PlanarIncrement<T>& increment) {
   return Status::kOk;
 }
 
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::predict_tilt(T dt_s) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!is_finite(dt_s) || dt_s < T(0)) return Status::kInvalidArgument;
+  if constexpr (kTilts) {
+    if (!model_.tilts() || rest_.hold_time(dt_s)) return Status::kOk;
+    const T decay = parameters_.tilt.decay(dt_s);
+    model_.propagate_tilt(decay, parameters_.tilt.noise(decay));
+  }
+  return Status::kOk;
+}
+
 /// The vehicle may have moved, or there is something to learn without motion.
 template <class ErrorModel>
 void PlanarSlam<ErrorModel>::end_rest() {
   if (!rest_.resting()) return;
   const bool noise = rest_.holds_noise();
+  [[maybe_unused]] const T held_s = rest_.held_s();
   const PlanarIncrement<T> held = rest_.end();
   if (noise) model_.propagate(held);
+  if constexpr (kTilts) {
+    if (held_s > T(0)) static_cast<void>(predict_tilt(held_s));
+  }
 }
 
 template <class ErrorModel>
@@ -128,8 +145,7 @@ Status PlanarSlam<ErrorModel>::predict_pixel(int slot, const PinholeCamera<T>& c
     if (!initialised_) return Status::kNotInitialised;
     if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
     if (!(sigma_px > T(0))) return Status::kInvalidArgument;
-    CameraView<T> view(camera, T_vehicle_camera, sigma_px);
-    view.frame = model_.frame();
+    const CameraView<T> view = camera_view(camera, T_vehicle_camera, sigma_px);
     T relative[3];
     RelativeCovariance<T> covariance;
     model_.relative(slot, relative);
@@ -139,7 +155,8 @@ Status PlanarSlam<ErrorModel>::predict_pixel(int slot, const PinholeCamera<T>& c
     if (!view.linearise(relative, covariance, expected, p_camera)) return Status::kOutOfView;
     const Vector2<T> pixel(-expected.innovation[0], -expected.innovation[1]);
     if (!camera.contains(pixel)) return Status::kOutOfView;
-    const InnovationCovariance<T> s = innovation_covariance(expected, covariance);
+    expected.slot = slot;
+    const InnovationCovariance<T> s = innovation_of(expected, covariance);
     prediction.id = slots_.id(slot);
     prediction.slot = slot;
     prediction.pixel = pixel;
@@ -147,6 +164,39 @@ Status PlanarSlam<ErrorModel>::predict_pixel(int slot, const PinholeCamera<T>& c
     prediction.p_camera = p_camera;
     return Status::kOk;
   }
+}
+
+/// A camera on the vehicle at its mean tilt.
+template <class ErrorModel>
+CameraView<typename ErrorModel::Scalar> PlanarSlam<ErrorModel>::camera_view(
+    const PinholeCamera<T>& camera, const Rigid<T>& T_vehicle_camera, T sigma_px) const {
+  CameraView<T> view(camera, T_vehicle_camera, sigma_px);
+  view.frame = model_.frame();
+  if constexpr (kTilts) {
+    if (model_.tilts()) {
+      view.mount(model_.tilt().T_level_vehicle() * T_vehicle_camera);
+      view.tilts = true;
+    }
+  }
+  return view;
+}
+
+/// S of an observation linearised at the present mean, whose relative vector has `covariance`.
+template <class ErrorModel>
+InnovationCovariance<typename ErrorModel::Scalar> PlanarSlam<ErrorModel>::innovation_of(
+    const Linearised& observation, const RelativeCovariance<T>& covariance) const {
+  InnovationCovariance<T> s = innovation_covariance(observation, covariance);
+  if constexpr (kTilts) {
+    if (observation.tilts) {
+      T relative[3];
+      model_.relative(observation.slot, relative);
+      const TiltRows<T> rows(observation, relative, model_.tilt_axes(model_.frame()));
+      TiltCovariance<T> tilt;
+      model_.tilt_covariance(observation.slot, tilt);
+      add_tilt_covariance(observation, rows, tilt, s);
+    }
+  }
+  return s;
 }
 
 template <class ErrorModel>

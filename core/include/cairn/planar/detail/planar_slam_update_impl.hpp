@@ -55,7 +55,10 @@ int PlanarSlam<ErrorModel>::collect(Span<Observation> observations, const Sensor
       ++health_.innovations_singular;
       continue;
     }
-    if (admit(linearised, covariance, parameters_.gate, report)) ++count;
+    if (admit(linearised, innovation_covariance(linearised, covariance), parameters_.gate,
+              report)) {
+      ++count;
+    }
   }
   return count;
 }
@@ -104,8 +107,8 @@ Status PlanarSlam<ErrorModel>::update_pixels(const PinholeCamera<T>& camera,
   if constexpr (kLandmarkDim != 3) {
     return Status::kInvalidArgument;
   } else {
-    const CameraView<T> view(camera, T_vehicle_camera, sigma_px);
-    detail::PixelUpdate<PlanarSlam> update(*this, view, matches, count, report);
+    detail::PixelUpdate<PlanarSlam> update(*this, camera, T_vehicle_camera, sigma_px, matches,
+                                           count, report);
     return update.run(random);
   }
 }
@@ -144,11 +147,9 @@ Status PlanarSlam<ErrorModel>::update_height(LandmarkId id, T height_m, T sigma_
 }
 
 template <class ErrorModel>
-bool PlanarSlam<ErrorModel>::admit(const Linearised& observation,
-                                   const RelativeCovariance<T>& relative, T gate,
-                                   UpdateReport& report) {
+bool PlanarSlam<ErrorModel>::admit(const Linearised& observation, const InnovationCovariance<T>& s,
+                                   T gate, UpdateReport& report) {
   T squared = T(0);
-  const InnovationCovariance<T> s = innovation_covariance(observation, relative);
   if (!s.mahalanobis(observation.innovation, squared)) {
     ++health_.innovations_singular;
     singular_ = true;

@@ -15,9 +15,15 @@ class Rest {
 
   /// An update settled the pose here.
   void begin() {
+    clear();
     resting_ = true;
-    held_ = PlanarIncrement<T>();
   }
+  /// Holds the time in which the body may tilt; false where the vehicle does not rest.
+  bool hold_time(T dt_s) {
+    if (resting_) held_s_ += dt_s;
+    return resting_;
+  }
+  T held_s() const { return held_s_; }
   /// The noise that is held, as an increment; there is none afterwards, and no rest.
   PlanarIncrement<T> end() {
     const PlanarIncrement<T> held = held_;
@@ -43,6 +49,7 @@ class Rest {
 
   bool resting_ = false;
   PlanarIncrement<T> held_;
+  T held_s_ = T(0);
 };
 
 }  // namespace cairn::detail

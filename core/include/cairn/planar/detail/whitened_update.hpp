@@ -35,6 +35,33 @@ class WhitenedUpdate {
   /// Takes the model's deferred noise as it is at the present mean. Before add_to_empty_batch().
   void begin(Model& model) {
     if constexpr (Model::kDefersNoise) deferred_ = model.deferred_noise();
+    if constexpr (kTilts) {
+      if (model.tilts()) axes_ = model.tilt_axes(model.frame());
+    }
+  }
+  /// Rows of an observation by the tilt, at the mean that begin() saw; zero where it has none.
+  TiltRows<T> tilt_rows(const Model& model, const Observation& o) const {
+    if constexpr (kTilts) {
+      if (o.tilts) {
+        T relative[3];
+        model.relative(o.slot, relative);
+        return TiltRows<T>(o, relative, axes_);
+      }
+    }
+    return {};
+  }
+  /// The two rows of an observation on a vector over the states.
+  void rows_of(const Model& model, const Observation& o, const TiltRows<T>& tilt, const T* v,
+               T (&out)[2]) const {
+    T relative[Model::kLandmarkDim];
+    model.relative_of(o.slot, v, relative);
+    out[0] = o.row(0, relative);
+    out[1] = o.row(1, relative);
+    if constexpr (kTilts) {
+      if (!o.tilts) return;
+      out[0] += tilt.row(0, v + Model::kTiltState);
+      out[1] += tilt.row(1, v + Model::kTiltState);
+    }
   }
 
   /// Starts a batch with one observation, P untouched: correction() and direction() are its own.
@@ -92,6 +119,8 @@ class WhitenedUpdate {
   }
 
  private:
+  static constexpr bool kTilts = Model::kTiltStates > 0;
+
   void clear_correction(const Model& model) {
     const int n = model.covariance().size();
     for (int i = 0; i < n; ++i) correction_[i] = T(0);
@@ -111,16 +140,17 @@ class WhitenedUpdate {
   bool add(const Model& model, const Observation& o, int rank, T& nis) {
     T* g0 = directions_[rank];
     T* g1 = directions_[rank + 1];
-    project(model, o, g0, g1);
-    InnovationCovariance<T> s = innovation_of_columns(model, o, g0, g1);
+    const TiltRows<T> tilt = tilt_rows(model, o);
+    project(model, o, tilt, g0, g1);
+    InnovationCovariance<T> s = innovation_of_columns(model, o, tilt, g0, g1);
     Whitening<T> k;
-    subtract_batch(model, o, rank, k, s);
+    subtract_batch(model, o, tilt, rank, k, s);
     if constexpr (Model::kDefersNoise) {
       if (deferred_.along != nullptr) add_deferred(model, o, rank, g0, g1, k, s);
     }
     add_rounding_noise(model, o, s);
     if (!factorise(s, k)) return false;
-    whiten_innovation(model, o, k);
+    whiten_innovation(model, o, tilt, k);
     whiten_columns(g0, g1, correction_, model.covariance().size(), k, directions_, rank,
                    deferred_.along);
     nis += k.y0 * k.y0 + k.y1 * k.y1;
@@ -128,7 +158,7 @@ class WhitenedUpdate {
   }
 
   /// g = P H^T, P as it is stored.
-  void project(const Model& model, const Observation& o, T* g0, T* g1) {
+  void project(const Model& model, const Observation& o, const TiltRows<T>& tilt, T* g0, T* g1) {
     constexpr int kDim = Model::kLandmarkDim;
     if (o.direct) {
       model.relative_columns(o.slot, g0, g1, nullptr);
@@ -146,29 +176,43 @@ class WhitenedUpdate {
         g1[i] += o.h[1][2] * third_[i];
       }
     }
+    if constexpr (kTilts) {
+      if (o.tilts) project_tilt(model.covariance(), tilt, g0, g1);
+    }
+  }
+  static void project_tilt(const typename Model::Covariance& P, const TiltRows<T>& tilt, T* g0,
+                           T* g1) {
+    constexpr int kTilt = Model::kTiltState;
+    const int n = P.size();
+    for (int i = 0; i < n; ++i) {
+      const T with[2] = {P(i, kTilt), P(i, kTilt + 1)};
+      g0[i] += tilt.row(0, with);
+      g1[i] += tilt.row(1, with);
+    }
   }
 
   /// S = H g + R, P as it is stored.
   InnovationCovariance<T> innovation_of_columns(const Model& model, const Observation& o,
-                                                const T* g0, const T* g1) const {
-    T relative[Model::kLandmarkDim];
+                                                const TiltRows<T>& tilt, const T* g0,
+                                                const T* g1) const {
+    T rows[2];
     InnovationCovariance<T> s;
-    model.relative_of(o.slot, g0, relative);
-    s.s00 = o.row(0, relative) + o.r00;
-    s.s01 = o.row(1, relative) + o.r01;
-    model.relative_of(o.slot, g1, relative);
-    s.s11 = o.row(1, relative) + o.r11;
+    rows_of(model, o, tilt, g0, rows);
+    s.s00 = rows[0] + o.r00;
+    s.s01 = rows[1] + o.r01;
+    rows_of(model, o, tilt, g1, rows);
+    s.s11 = rows[1] + o.r11;
     return s;
   }
 
   /// The directions of the batch that P lacks: their factors in the columns, and their part of S.
-  void subtract_batch(const Model& model, const Observation& o, int rank, Whitening<T>& k,
-                      InnovationCovariance<T>& s) const {
-    T relative[Model::kLandmarkDim];
+  void subtract_batch(const Model& model, const Observation& o, const TiltRows<T>& tilt, int rank,
+                      Whitening<T>& k, InnovationCovariance<T>& s) const {
+    T rows[2];
     for (int r = 0; r < rank; ++r) {
-      model.relative_of(o.slot, directions_[r], relative);
-      k.f0[r] = o.row(0, relative);
-      k.f1[r] = o.row(1, relative);
+      rows_of(model, o, tilt, directions_[r], rows);
+      k.f0[r] = rows[0];
+      k.f1[r] = rows[1];
       s.s00 -= k.f0[r] * k.f0[r];
       s.s01 -= k.f0[r] * k.f1[r];
       s.s11 -= k.f1[r] * k.f1[r];
@@ -235,11 +279,12 @@ class WhitenedUpdate {
   }
 
   /// y = L^-1 (innovation at the mean corrected so far).
-  void whiten_innovation(const Model& model, const Observation& o, Whitening<T>& k) const {
-    T relative[Model::kLandmarkDim];
-    model.relative_of(o.slot, correction_, relative);
-    k.y0 = (o.innovation[0] - o.row(0, relative)) * k.i00;
-    k.y1 = (o.innovation[1] - o.row(1, relative) - k.l10 * k.y0) * k.i11;
+  void whiten_innovation(const Model& model, const Observation& o, const TiltRows<T>& tilt,
+                         Whitening<T>& k) const {
+    T rows[2];
+    rows_of(model, o, tilt, correction_, rows);
+    k.y0 = (o.innovation[0] - rows[0]) * k.i00;
+    k.y1 = (o.innovation[1] - rows[1] - k.l10 * k.y0) * k.i11;
   }
 
   /// P -= the batch, together with the deferred noise that P lacks.
@@ -266,6 +311,7 @@ class WhitenedUpdate {
   T third_[Model::kStates] = {};
   T correction_[Model::kStates] = {};
   DeferredNoise<T> deferred_;
+  TiltAxes<T> axes_;
 };
 
 }  // namespace cairn::detail

@@ -4,20 +4,25 @@
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
 #include "cairn/planar/observation/linearised_observation.hpp"
+#include "cairn/planar/tilt.hpp"
 #include "cairn/planar/types.hpp"
 
 namespace cairn::detail {
 
 /// What the error models have in common whose landmarks are points of the world: the mean, heading,
-/// position and landmarks, and the storage of the covariance, with three vehicle states and as many
-/// per landmark as it has coordinates. Positions are kept relative to an anchor.
-template <class T, int MaxLandmarks, int LandmarkDim>
+/// position, tilt and landmarks, and the storage of the covariance, with three states of the pose,
+/// two of the tilt where there is one, and as many per landmark as it has coordinates. Positions
+/// are kept relative to an anchor.
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
 class CartesianMap {
  public:
   using Scalar = T;
   static constexpr int kMaxLandmarks = MaxLandmarks;
   static constexpr int kLandmarkDim = LandmarkDim;
-  static constexpr int kVehicleStates = 3;
+  static constexpr int kPoseStates = 3;
+  static constexpr int kTiltStates = TiltStates;                    ///< 2, or 0: without tilt
+  static constexpr int kTiltState = kPoseStates;                    ///< pitch, then roll
+  static constexpr int kVehicleStates = kPoseStates + kTiltStates;  ///< at most
   static constexpr int kLandmarkStates = LandmarkDim;
   static constexpr int kStates = kVehicleStates + MaxLandmarks * kLandmarkStates;
   static constexpr bool kHasWorldLandmarks = true;
@@ -25,7 +30,11 @@ class CartesianMap {
   using LandmarkVector = Vector<T, LandmarkDim>;
   using LandmarkMatrix = Matrix<T, LandmarkDim, LandmarkDim>;
 
-  static int state_of(int slot) { return kVehicleStates + slot * kLandmarkStates; }
+  static_assert(TiltStates == 0 || (TiltStates == 2 && LandmarkDim == 3));
+
+  /// States before the first landmark's.
+  int vehicle_states() const { return TiltStates > 0 && tilts_ ? kVehicleStates : kPoseStates; }
+  int state_of(int slot) const { return vehicle_states() + slot * kLandmarkStates; }
   int landmark_count() const { return landmarks_; }
   Covariance& covariance() { return P_; }
   const Covariance& covariance() const { return P_; }
@@ -59,8 +68,8 @@ class CartesianMap {
     if constexpr (LandmarkDim > 2) out[2] = p_[slot][2];
   }
 
-  /// Rotation from the vehicle's axes to the world's.
-  LandmarkMatrix vehicle_axes() const {
+  /// Rotation from the level vehicle's axes to the world's.
+  LandmarkMatrix level_axes() const {
     const RelativeFrame<T> f = frame();
     LandmarkMatrix rotation = LandmarkMatrix::Identity();
     rotation(0, 0) = f.cosine;
@@ -69,6 +78,71 @@ class CartesianMap {
     rotation(1, 1) = f.cosine;
     return rotation;
   }
+  /// Rotation from the vehicle's axes, tilted with it, to the world's.
+  LandmarkMatrix vehicle_axes() const {
+    const LandmarkMatrix level = level_axes();
+    if constexpr (TiltStates > 0) {
+      if (tilts_) return level * tilt_.R_level_vehicle().toRotationMatrix();
+    }
+    return level;
+  }
+
+  bool tilts() const { return TiltStates > 0 && tilts_; }
+  const VehicleTilt<T>& tilt() const { return tilt_; }
+  /// Makes the tilt a state, at zero. Before the first landmark.
+  void start_tilt(const TiltParameters<T>& parameters) {
+    tilts_ = TiltStates > 0 && parameters.tilts();
+    if (!tilts_) return;
+    P_.resize(kVehicleStates);
+    P_(kTiltState, kTiltState) = square(parameters.sigma_pitch_rad);
+    P_(kTiltState + 1, kTiltState + 1) = square(parameters.sigma_roll_rad);
+  }
+  /// Lets the tilt return by `decay` and adds `noise`. Cost: 2 n multiplications.
+  void propagate_tilt(T decay, const Vector2<T>& noise) {
+    tilt_.pitch *= decay;
+    tilt_.roll *= decay;
+    for (int i = 0; i < P_.size(); ++i) {
+      T* row = P_.row(i);
+      if (i < kTiltState) continue;
+      if (i < kVehicleStates) {
+        for (int j = 0; j < kTiltState; ++j) row[j] *= decay;
+        for (int j = kTiltState; j <= i; ++j) row[j] *= decay * decay;
+        row[i] += noise(i - kTiltState);
+        continue;
+      }
+      row[kTiltState] *= decay;
+      row[kTiltState + 1] *= decay;
+    }
+  }
+  TiltAxes<T> tilt_axes(const RelativeFrame<T>& f) const {
+    T sine = T(0);
+    T cosine = T(1);
+    sin_cos(tilt_.pitch, sine, cosine);
+    const T pitch[2] = {T(0), T(1)};
+    const T roll[2] = {cosine, T(0)};
+    TiltAxes<T> axes;
+    f.to_relative(pitch, axes.pitch);
+    f.to_relative(roll, axes.roll);
+    axes.roll[2] = -sine;
+    return axes;
+  }
+  Matrix2<T> tilt_covariance() const {
+    Matrix2<T> covariance = Matrix2<T>::Zero();
+    if (!tilts()) return covariance;
+    for (int i = 0; i < 2; ++i) {
+      for (int j = 0; j < 2; ++j) covariance(i, j) = P_(kTiltState + i, kTiltState + j);
+    }
+    return covariance;
+  }
+  void own_tilt_covariance(TiltCovariance<T>& out) const {
+    out.own[0] = P_(kTiltState, kTiltState);
+    out.own[1] = P_(kTiltState + 1, kTiltState);
+    out.own[2] = P_(kTiltState + 1, kTiltState + 1);
+  }
+  VehicleTilt<T> tilt_after(const T* d) const {
+    return {tilt_.pitch + d[kTiltState], tilt_.roll + d[kTiltState + 1]};
+  }
+
   /// Puts the mean of the next landmark where it is seen from the vehicle, `y` in its axes.
   void place_beside_vehicle(const LandmarkMatrix& rotation, const LandmarkVector& y) {
     const LandmarkVector turned = rotation * y;
@@ -100,6 +174,10 @@ class CartesianMap {
     hash.add(heading_);
     for (int i = 0; i < 2; ++i) hash.add(x_[i]);
     for (int i = 0; i < 2; ++i) hash.add(anchor_[i]);
+    if (tilts()) {
+      hash.add(tilt_.pitch);
+      hash.add(tilt_.roll);
+    }
     for (int slot = 0; slot < landmarks_; ++slot) {
       for (int i = 0; i < LandmarkDim; ++i) hash.add(p_[slot][i]);
     }
@@ -114,11 +192,19 @@ class CartesianMap {
       anchor_[i] = anchored_there ? pose.position(i) : T(0);
     }
     landmarks_ = 0;
+    tilts_ = false;
+    tilt_ = VehicleTilt<T>();
     P_.resize(0);
-    P_.resize(kVehicleStates);
+    P_.resize(kPoseStates);
+  }
+
+  void correct_tilt(const T* d) {
+    if (tilts()) tilt_ = tilt_after(d);
   }
 
   T heading_ = T(0);
+  VehicleTilt<T> tilt_;
+  bool tilts_ = false;
   T x_[2] = {};
   T anchor_[2] = {};
   T p_[MaxLandmarks][LandmarkDim] = {};

@@ -18,9 +18,9 @@ namespace cairn {
 /// it, so it stays in the 3x3 matrix G, and P resolves what is small beside it. The covariance is P
 /// + B W B^T + U G U^T, B = [I3; -J p_i, 0], U = [I3; 0, I], J = [0 -1; 1 0]. Interface:
 /// PlanarSlam.
-template <class T, int MaxLandmarks, int LandmarkDim>
-class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim> {
-  using Map = detail::CartesianMap<T, MaxLandmarks, LandmarkDim>;
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates = LandmarkDim == 3 ? 2 : 0>
+class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim, TiltStates> {
+  using Map = detail::CartesianMap<T, MaxLandmarks, LandmarkDim, TiltStates>;
   using Rows = detail::ErrorRows<T, LandmarkDim>;
   using Map::heading_;
   using Map::P_;
@@ -69,6 +69,17 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     if constexpr (LandmarkDim > 2) out[2] = l[2];
   }
   void relative_covariance(int slot, RelativeCovariance<T>& out) const;
+  using Map::tilt_covariance;
+  void tilt_covariance(int slot, TiltCovariance<T>& out) const {
+    this->own_tilt_covariance(out);
+    const int l = Map::state_of(slot);
+    for (int k = 0; k < 2; ++k) {
+      const int t = Map::kTiltState + k;
+      out.with_relative[k][0] = P_(l, t) - P_(t, 1);
+      out.with_relative[k][1] = P_(l + 1, t) - P_(t, 2);
+      out.with_relative[k][2] = P_(l + 2, t);
+    }
+  }
   /// Variances whose difference the relative covariance is, per coordinate.
   void relative_scale(int slot, T* out) const {
     const int l = Map::state_of(slot);
@@ -93,6 +104,7 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     heading_ = wrap_angle(heading_ + v.angle);
     v.template move<2>(x_, d + kPositionState, 1);
     v.template move<LandmarkDim>(p_[0], d + Map::state_of(0), this->landmark_count());
+    this->correct_tilt(d);
   }
 
   void append_landmark(const LandmarkVector& y, const LandmarkMatrix& R) {
@@ -117,9 +129,10 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
 
  private:
   /// Column of U that has a 1 in row `state`, -1 where there is none.
-  static int shared_axis(int state) {
+  int shared_axis(int state) const {
     if (state < 3) return state;
-    const int axis = (state - 3) % LandmarkDim;
+    if (state < Map::vehicle_states()) return -1;
+    const int axis = (state - Map::vehicle_states()) % LandmarkDim;
     return axis < 2 ? 1 + axis : -1;
   }
   T heading_variance() const { return P_(0, 0) + W_(0, 0) + G_(0, 0); }
@@ -137,9 +150,9 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   T along_[Map::kStates] = {};         ///< of deferred_noise()
 };
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::start(const PlanarPose<T>& pose,
-                                                          const Matrix3<T>& covariance) {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::start(
+    const PlanarPose<T>& pose, const Matrix3<T>& covariance) {
   // Anchored at the estimate, x^ = 0 and xi_x is the plain position error.
   this->start_at(pose, true);
   const int from[3] = {2, 0, 1};
@@ -150,24 +163,29 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::start(const PlanarPose<T>& p
   G_.setZero();
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::share_pose_error() {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::share_pose_error() {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) G_(i, j) += P_(i, j);
   }
-  P_.set_zero();
+  // The tilt is the vehicle's own: it stays, and what it shares with the pose is forgotten.
+  for (int i = 0; i < P_.size(); ++i) {
+    const int first_kept = i < 3 ? i + 1 : 3;
+    for (int j = 0; j < first_kept; ++j) P_(i, j) = T(0);
+  }
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::join_world() {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::join_world() {
   for (int i = 0; i < P_.size(); ++i) {
     for (int j = 0; j <= i; ++j) P_(i, j) += shared_covariance(i, j);
   }
   G_.setZero();
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::propagate(const PlanarIncrement<T>& increment) {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::propagate(
+    const PlanarIncrement<T>& increment) {
   const RelativeFrame<T> f = this->frame();
   const Displacement<T> u = displacement(increment);
   T step[2];
@@ -195,9 +213,9 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::propagate(const PlanarIncrem
   deferred_ = true;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::widen_pose(T position_variance,
-                                                               T heading_variance) {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::widen_pose(T position_variance,
+                                                                           T heading_variance) {
   const T g[3] = {T(1), x_[1], -x_[0]};
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) W_(i, j) += g[i] * heading_variance * g[j];
@@ -208,8 +226,9 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::widen_pose(T position_varian
 }
 
 /// W = b b^T + [0, 0; 0, rest] with b = W e_0 / sqrt(W_00); the result holds B b and rest.
-template <class T, int MaxLandmarks, int LandmarkDim>
-detail::DeferredNoise<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::deferred_noise() {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+detail::DeferredNoise<T>
+GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::deferred_noise() {
   detail::DeferredNoise<T> noise;
   if (!deferred_) return noise;
   const T root = sqrt(W_(0, 0));
@@ -218,6 +237,7 @@ detail::DeferredNoise<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::deferred
   along_[1] = W_(0, 1) * inverse;
   along_[2] = W_(0, 2) * inverse;
   const int count = this->landmark_count();
+  for (int i = 3; i < Map::vehicle_states(); ++i) along_[i] = T(0);
   T* b = along_ + Map::state_of(0);
   for (int slot = 0; slot < count; ++slot) {
     b[0] = root * p_[slot][1];
@@ -232,29 +252,8 @@ detail::DeferredNoise<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::deferred
   return noise;
 }
 
-/// Element of B W B^T.
-template <class T, int MaxLandmarks, int LandmarkDim>
-T GroupErrorModel<T, MaxLandmarks, LandmarkDim>::deferred_covariance(int i, int j) const {
-  T rows[2][3] = {};
-  const int index[2] = {i, j};
-  for (int k = 0; k < 2; ++k) {
-    if (index[k] < 3) {
-      rows[k][index[k]] = T(1);
-      continue;
-    }
-    const int slot = (index[k] - 3) / LandmarkDim;
-    const int axis = (index[k] - 3) % LandmarkDim;
-    if (axis < 2) rows[k][0] = axis == 0 ? p_[slot][1] : -p_[slot][0];
-  }
-  T sum = T(0);
-  for (int a = 0; a < 3; ++a) {
-    for (int b = 0; b < 3; ++b) sum += rows[0][a] * W_(a, b) * rows[1][b];
-  }
-  return sum;
-}
-
-template <class T, int MaxLandmarks, int LandmarkDim>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::relative_covariance(
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_covariance(
     int slot, RelativeCovariance<T>& out) const {
   const int l = Map::state_of(slot);
   const T* x = P_.row(l);
@@ -276,10 +275,9 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::relative_covariance(
   out.s[2] += b[1] * (b[1] * W_(0, 0) - T(2) * W_(2, 0)) + W_(2, 2);
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim>::relative_columns(int slot, T* __restrict c0,
-                                                                     T* __restrict c1,
-                                                                     T* __restrict c2) const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_columns(
+    int slot, T* __restrict c0, T* __restrict c1, T* __restrict c2) const {
   const int n = P_.size();
   const int l = Map::state_of(slot);
   const T* x = P_.row(l);

@@ -7,8 +7,31 @@
 
 namespace cairn {
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::pose() const {
+/// Element of B W B^T.
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+T GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::deferred_covariance(int i,
+                                                                                 int j) const {
+  T rows[2][3] = {};
+  const int index[2] = {i, j};
+  for (int k = 0; k < 2; ++k) {
+    if (index[k] < 3) {
+      rows[k][index[k]] = T(1);
+      continue;
+    }
+    if (index[k] < Map::vehicle_states()) continue;
+    const int slot = (index[k] - Map::vehicle_states()) / LandmarkDim;
+    const int axis = (index[k] - Map::vehicle_states()) % LandmarkDim;
+    if (axis < 2) rows[k][0] = axis == 0 ? p_[slot][1] : -p_[slot][0];
+  }
+  T sum = T(0);
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) sum += rows[0][a] * W_(a, b) * rows[1][b];
+  }
+  return sum;
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose() const {
   const T rho = exp(T(-0.5) * heading_variance());
   PlanarPose<T> pose;
   pose.position = {this->anchor_[0] + rho * x_[0], this->anchor_[1] + rho * x_[1]};
@@ -16,8 +39,8 @@ PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::pose() const {
   return pose;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::pose_covariance() const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose_covariance() const {
   const T c[2] = {P_(1, 0) + W_(1, 0) + G_(1, 0), P_(2, 0) + W_(2, 0) + G_(2, 0)};
   const T xi[3] = {P_(1, 1) + W_(1, 1) + G_(1, 1), P_(2, 1) + W_(2, 1) + G_(2, 1),
                    P_(2, 2) + W_(2, 2) + G_(2, 2)};
@@ -28,18 +51,18 @@ Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim>::pose_covariance() cons
   return out;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-typename GroupErrorModel<T, MaxLandmarks, LandmarkDim>::LandmarkVector
-GroupErrorModel<T, MaxLandmarks, LandmarkDim>::landmark_position(int slot) const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+typename GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::LandmarkVector
+GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::landmark_position(int slot) const {
   const T rho = exp(T(-0.5) * heading_variance());
   LandmarkVector p = this->mean_landmark(slot);
   for (int i = 0; i < 2; ++i) p(i) = this->anchor_[i] + rho * p_[slot][i];
   return p;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-typename GroupErrorModel<T, MaxLandmarks, LandmarkDim>::LandmarkMatrix
-GroupErrorModel<T, MaxLandmarks, LandmarkDim>::landmark_covariance(int slot) const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+typename GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::LandmarkMatrix
+GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::landmark_covariance(int slot) const {
   const int l = Map::state_of(slot);
   const T b[2] = {p_[slot][1], -p_[slot][0]};  // -J p
   const T w = W_(0, 0);

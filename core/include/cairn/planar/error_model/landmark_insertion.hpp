@@ -9,7 +9,7 @@ namespace cairn::detail {
 /// sum_k weight[i][k] * error[index[i][k]].
 template <class T, int Rows>
 struct ErrorRows {
-  static constexpr int kMaxTerms = 6;
+  static constexpr int kMaxTerms = 8;
   int index[Rows][kMaxTerms] = {};
   T weight[Rows][kMaxTerms] = {};
   int count[Rows] = {};
@@ -56,6 +56,28 @@ void append_landmark(Model& model, const ErrorRowsOf<Model>& rows,
   model.count_landmark();
 }
 
+/// The landmark placed last was seen by a sensor that tilts with the vehicle, `seen` away from it
+/// in the world's axes: its error has the tilt's part.
+template <class Model>
+void add_tilt_rows(const Model& model, const typename Model::LandmarkVector& seen,
+                   ErrorRowsOf<Model>& rows) {
+  if constexpr (Model::kTiltStates > 0) {
+    if (!model.tilts()) return;
+    using T = typename Model::Scalar;
+    const TiltAxes<T> axes = model.tilt_axes(model.frame());
+    for (int k = 0; k < 2; ++k) {
+      const T* a = axes.axis(k);
+      rows.add(0, Model::kTiltState + k, a[1] * seen(2) - a[2] * seen(1));
+      rows.add(1, Model::kTiltState + k, a[2] * seen(0) - a[0] * seen(2));
+      rows.add(2, Model::kTiltState + k, a[0] * seen(1) - a[1] * seen(0));
+    }
+  } else {
+    static_cast<void>(model);
+    static_cast<void>(seen);
+    static_cast<void>(rows);
+  }
+}
+
 /// A landmark seen from the vehicle at `y` with noise `R`, both in the vehicle's axes.
 template <class Model>
 void append_seen(Model& model, const typename Model::LandmarkVector& y,
@@ -65,6 +87,7 @@ void append_seen(Model& model, const typename Model::LandmarkVector& y,
   model.place_beside_vehicle(rotation, y);
   ErrorRowsOf<Model> rows;
   model.rows_beside_vehicle(model.landmark_count(), rows);
+  add_tilt_rows(model, rotation * y, rows);
   const LandmarkMatrix half = rotation * R;
   append_landmark(model, rows, LandmarkMatrix(half * rotation.transpose()));
 }
@@ -82,12 +105,14 @@ void append_seen_on_path(Model& model, const typename Model::LandmarkVector& y,
   model.place_beside_vehicle(rotation, y);
   ErrorRowsOf<Model> rows;
   model.rows_beside_vehicle(model.landmark_count(), rows);
+  add_tilt_rows(model, rotation * y, rows);
   const Matrix<T, kDim, 2> turned = rotation * by_path;
-  const Matrix<T, kDim, 2> by_world = turned * rotation.template topLeftCorner<2, 2>().transpose();
+  const Matrix<T, kDim, 2> by_world =
+      turned * model.level_axes().template topLeftCorner<2, 2>().transpose();
   for (int i = 0; i < kDim; ++i) {
     for (int k = 0; k < 2; ++k) {
       rows.add(i, Model::kPositionState + k, by_world(i, k));
-      rows.add(i, Model::state_of(past) + k, -by_world(i, k));
+      rows.add(i, model.state_of(past) + k, -by_world(i, k));
     }
   }
   const LandmarkMatrix half = rotation * R;
@@ -107,7 +132,7 @@ void append_of_world(Model& model, const typename Model::LandmarkVector& p_world
   if (reference >= 0) {
     model.rows_in_world(reference, rows, T(-1));
     for (int i = 0; i < Model::kLandmarkDim; ++i) {
-      rows.add(i, Model::state_of(reference) + i, T(1));
+      rows.add(i, model.state_of(reference) + i, T(1));
     }
   }
   append_landmark(model, rows, covariance);
@@ -140,8 +165,8 @@ void append_of_frame(Model& model, const typename Model::LandmarkVector& p_world
                      const typename Model::Scalar (&lambda)[2]) {
   using T = typename Model::Scalar;
   model.place_in_world(p_world);
-  const int at_origin = Model::state_of(origin);
-  const int at_ahead = Model::state_of(ahead);
+  const int at_origin = model.state_of(origin);
+  const int at_ahead = model.state_of(ahead);
   ErrorRowsOf<Model> rows;
   for (int i = 0; i < 2; ++i) {
     const T across = i == 0 ? -lambda[1] : lambda[1];
@@ -171,12 +196,12 @@ void widen_frame(Model& model, int origin, int ahead, typename Model::Scalar pos
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j <= i; ++j) {
       const T shift = i % 2 == j % 2 ? position_variance : T(0);
-      P(Model::state_of(slots[i / 2]) + i % 2, Model::state_of(slots[j / 2]) + j % 2) +=
+      P(model.state_of(slots[i / 2]) + i % 2, model.state_of(slots[j / 2]) + j % 2) +=
           shift + by_turn[i] * heading_variance * by_turn[j];
     }
   }
   if constexpr (Model::kLandmarkDim > 2) {
-    const int height = Model::state_of(origin) + 2;
+    const int height = model.state_of(origin) + 2;
     P(height, height) += position_variance;
   }
 }

@@ -10,9 +10,9 @@ namespace cairn {
 /// the world's axes. With delta = p - x and J = [0 -1; 1 0], the relative vector in the world's
 /// axes has the Jacobian C = [-I, -J delta, +I]: a sighting is taken to say something about the
 /// heading. Interface: PlanarSlam.
-template <class T, int MaxLandmarks, int LandmarkDim>
-class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim> {
-  using Map = detail::CartesianMap<T, MaxLandmarks, LandmarkDim>;
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates = LandmarkDim == 3 ? 2 : 0>
+class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim, TiltStates> {
+  using Map = detail::CartesianMap<T, MaxLandmarks, LandmarkDim, TiltStates>;
   using Rows = detail::ErrorRows<T, LandmarkDim>;
   using Map::heading_;
   using Map::P_;
@@ -68,6 +68,19 @@ class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     if constexpr (LandmarkDim > 2) out[2] = l[2];
   }
   void relative_covariance(int slot, RelativeCovariance<T>& out) const;
+  using Map::tilt_covariance;
+  void tilt_covariance(int slot, TiltCovariance<T>& out) const {
+    this->own_tilt_covariance(out);
+    const int l = Map::state_of(slot);
+    const T dx = p_[slot][0] - x_[0];
+    const T dy = p_[slot][1] - x_[1];
+    for (int k = 0; k < 2; ++k) {
+      const int t = Map::kTiltState + k;
+      out.with_relative[k][0] = P_(l, t) - P_(t, 0) + dy * P_(t, 2);
+      out.with_relative[k][1] = P_(l + 1, t) - P_(t, 1) - dx * P_(t, 2);
+      out.with_relative[k][2] = P_(l + 2, t);
+    }
+  }
   /// Variances whose difference the relative covariance is, per coordinate.
   void relative_scale(int slot, T* out) const {
     const int l = Map::state_of(slot);
@@ -104,6 +117,7 @@ class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
       const T* l = d + Map::state_of(slot);
       for (int i = 0; i < LandmarkDim; ++i) p_[slot][i] += l[i];
     }
+    this->correct_tilt(d);
   }
 
   void append_landmark(const LandmarkVector& y, const LandmarkMatrix& R) {
@@ -124,8 +138,9 @@ class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   void rows_in_world(int, Rows&, T) const {}
 };
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void WorldErrorModel<T, MaxLandmarks, LandmarkDim>::propagate(const PlanarIncrement<T>& increment) {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void WorldErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::propagate(
+    const PlanarIncrement<T>& increment) {
   const RelativeFrame<T> f = this->frame();
   const Displacement<T> u = displacement(increment);
   T step[2];
@@ -166,8 +181,8 @@ void WorldErrorModel<T, MaxLandmarks, LandmarkDim>::propagate(const PlanarIncrem
   heading_ = wrap_angle(heading_ + increment.turn_rad);
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void WorldErrorModel<T, MaxLandmarks, LandmarkDim>::relative_covariance(
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void WorldErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_covariance(
     int slot, RelativeCovariance<T>& out) const {
   const int l = Map::state_of(slot);
   const T dx = p_[slot][0] - x_[0];
@@ -191,9 +206,10 @@ void WorldErrorModel<T, MaxLandmarks, LandmarkDim>::relative_covariance(
   }
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim>
-void WorldErrorModel<T, MaxLandmarks, LandmarkDim>::relative_columns(int slot, T* c0, T* c1,
-                                                                     T* c2) const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void WorldErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_columns(int slot, T* c0,
+                                                                                 T* c1,
+                                                                                 T* c2) const {
   const int n = P_.size();
   const int l = Map::state_of(slot);
   const T dx = p_[slot][0] - x_[0];

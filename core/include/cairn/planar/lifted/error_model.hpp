@@ -26,6 +26,7 @@ class LiftedErrorModel {
   static constexpr int kMaxLandmarks = MaxLandmarks;
   static constexpr int kLandmarkDim = LandmarkDim;
   static constexpr int kVehicleStates = detail::kLiftedVehicle;
+  static constexpr int kTiltStates = 0;
   static constexpr int kLandmarkStates = detail::kLiftedLandmark + LandmarkDim - 2;
   static constexpr int kStates = kVehicleStates + MaxLandmarks * kLandmarkStates;
   /// Its state holds relative vectors alone: nothing known in the world can be added.

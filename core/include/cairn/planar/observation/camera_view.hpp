@@ -10,7 +10,8 @@ namespace cairn {
 template <class T>
 inline constexpr T kNearestLandmark = T(0.3);
 
-/// A camera fixed to the vehicle, as an update needs it. `camera` must outlive it.
+/// A camera fixed to the vehicle, as an update needs it. `camera` must outlive it. Where the
+/// vehicle tilts, the mounting is that against the level vehicle, at its mean tilt.
 template <class T>
 struct CameraView {
   const PinholeCamera<T>* camera = nullptr;
@@ -19,9 +20,14 @@ struct CameraView {
   T sigma_px = T(1);
   T variance_px = T(1);
   RelativeFrame<T> frame;
+  bool tilts = false;  ///< with the vehicle
 
   CameraView(const PinholeCamera<T>& pinhole, const Rigid<T>& T_vehicle_camera, T sigma)
       : camera(&pinhole), sigma_px(sigma), variance_px(sigma * sigma) {
+    mount(T_vehicle_camera);
+  }
+
+  void mount(const Rigid<T>& T_vehicle_camera) {
     const Rigid<T> inverse = T_vehicle_camera.inverse();
     R_camera_vehicle = inverse.rotation.toRotationMatrix();
     t_camera_vehicle = inverse.translation;
@@ -52,6 +58,7 @@ struct CameraView {
     if (!ok(camera->project(p_camera, pixel, by_camera))) return false;
     out.rows = 2;
     out.direct = false;
+    out.tilts = tilts;
     for (int r = 0; r < 2; ++r) {
       for (int k = 0; k < 3; ++k) {
         T sum = T(0);

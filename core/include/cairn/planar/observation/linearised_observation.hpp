@@ -2,6 +2,7 @@
 
 #include "cairn/geometry/types.hpp"
 #include "cairn/numeric/math.hpp"
+#include "cairn/planar/tilt.hpp"
 
 namespace cairn {
 
@@ -56,6 +57,7 @@ struct LinearisedObservation {
   int source = -1;      ///< index of the observation that it came from
   int rows = 2;         ///< 1 or 2
   bool direct = false;  ///< h is [I 0]: the two rows are the relative x and y
+  bool tilts = false;   ///< of a sensor that tilts with the vehicle: TiltRows belong to it
   T innovation[2] = {};
   T h[2][Dim] = {};  ///< by the relative vector
   T r00 = T(0);      ///< measurement noise
@@ -68,6 +70,33 @@ struct LinearisedObservation {
     if constexpr (Dim > 2) sum += h[r][2] * relative[2];
     return sum;
   }
+};
+
+/// Rows of an observation by the vehicle's tilt (pitch, roll). They follow from those by the
+/// relative vector v: h (v x axis).
+template <class T>
+struct TiltRows {
+  T t[2][2] = {};
+
+  TiltRows() = default;
+  TiltRows(const LinearisedObservation<T, 3>& o, const T* v, const TiltAxes<T>& axes) {
+    for (int k = 0; k < 2; ++k) {
+      const T* a = axes.axis(k);
+      const T turned[3] = {v[1] * a[2] - v[2] * a[1], v[2] * a[0] - v[0] * a[2],
+                           v[0] * a[1] - v[1] * a[0]};
+      for (int r = 0; r < 2; ++r) {
+        t[r][k] = o.h[r][0] * turned[0] + o.h[r][1] * turned[1] + o.h[r][2] * turned[2];
+      }
+    }
+  }
+  T row(int r, const T* tilt) const { return t[r][0] * tilt[0] + t[r][1] * tilt[1]; }
+};
+
+/// Covariance of the tilt: with a relative vector, and its own, 00, 10, 11.
+template <class T>
+struct TiltCovariance {
+  T with_relative[2][3] = {};
+  T own[3] = {};
 };
 
 /// Innovation covariance S of a linearised observation.
@@ -105,6 +134,23 @@ InnovationCovariance<T> innovation_covariance(const LinearisedObservation<T, Dim
   if (o.direct) return {relative.s[0] + o.r00, relative.s[1] + o.r01, relative.s[2] + o.r11};
   return {relative.form(o.h[0], o.h[0]) + o.r00, relative.form(o.h[0], o.h[1]) + o.r01,
           relative.form(o.h[1], o.h[1]) + o.r11};
+}
+
+/// Adds the tilt's part to S.
+template <class T>
+void add_tilt_covariance(const LinearisedObservation<T, 3>& o, const TiltRows<T>& rows,
+                         const TiltCovariance<T>& tilt, InnovationCovariance<T>& s) {
+  // S += h c t^T + t c^T h^T + t P t^T, per pair of rows.
+  T half[2][2];  // h c + t P / 2
+  const T own[2][2] = {{tilt.own[0], tilt.own[1]}, {tilt.own[1], tilt.own[2]}};
+  for (int r = 0; r < 2; ++r) {
+    for (int k = 0; k < 2; ++k) {
+      half[r][k] = o.row(r, tilt.with_relative[k]) + T(0.5) * rows.row(r, own[k]);
+    }
+  }
+  s.s00 += T(2) * rows.row(0, half[0]);
+  s.s01 += rows.row(0, half[1]) + rows.row(1, half[0]);
+  s.s11 += T(2) * rows.row(1, half[1]);
 }
 
 }  // namespace cairn

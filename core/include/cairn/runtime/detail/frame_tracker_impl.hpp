@@ -92,6 +92,7 @@ Status FrameTracker<Config, Filter>::predict(std::int64_t t_us) {
   const Status status = odometry_.integrate_to(t_us, estimate_.filter(), health_);
   const FrameStep step = input_.accept(t_us, health_);
   frame_step_s_ = static_cast<float>(step.us) * 1e-6F;
+  static_cast<void>(estimate_.filter().predict_tilt(frame_step_s_));
   monitor_.note_blind_frames(step.missed);
   if (!step.gap) return status;
   local_map_.drop_seeds();
