@@ -62,6 +62,22 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember({"s1", "base"}))
       ->capture_default_str();
   command
+      .add_option("--suspension", options.suspension,
+                  "Vehicle: how its body pitches and rolls; by default as the source says")
+      ->check(CLI::IsMember({"flat", "car", "rover"}));
+  command
+      .add_option("--tilt-sigma", options.tilt_sigma_rad,
+                  "Vehicle: standard deviation of pitch and roll, rad; 0: none")
+      ->check(CLI::Range(0.0, 0.3));
+  command
+      .add_option("--tilt-time-constant", options.tilt_time_constant_s,
+                  "Vehicle: time in which pitch and roll return to 1/e, s")
+      ->check(above_zero());
+  command
+      .add_option("--uneven-floor", options.hall_tilt_rad,
+                  "The hall's vehicle pitches and rolls by so much, rad rms")
+      ->check(CLI::Range(0.0, 0.1));
+  command
       .add_option("--start-heading-variance", options.start_heading_variance,
                   "Variance of the start heading, rad^2; the start error is drawn from it")
       ->check(not_negative());

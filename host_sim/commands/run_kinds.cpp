@@ -32,6 +32,9 @@ const Names& picture_options() {
                               "--budget-ms",
                               "--start-heading-variance",
                               "--start-position-variance",
+                              "--suspension",
+                              "--tilt-sigma",
+                              "--tilt-time-constant",
                               "--measurement",
                               "--corner-score",
                               "--sigma-px",
@@ -57,7 +60,7 @@ void check_options(const RunKind& kind, const Names& given) {
 }  // namespace
 
 const std::vector<RunKind>& run_kinds() {
-  static const Names hall = joined(picture_options(), {"--odometry-noise"});
+  static const Names hall = joined(picture_options(), {"--odometry-noise", "--uneven-floor"});
   static const Names stress(picture_options().begin() + 1, picture_options().end());
   static const Names video =
       joined(picture_options(), {"--camera", "--odometry", "--times", "--truth"});

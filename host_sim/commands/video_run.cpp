@@ -11,6 +11,7 @@
 #include "cairn/base/config.hpp"
 
 #include "host_sim/base/names.hpp"
+#include "host_sim/base/suspension.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/reports/report.py.hpp"
 #include "host_sim/reports/run_folder.hpp"
@@ -80,6 +81,20 @@ void set_start(const RunOptions& options, const Frame& first, TrackerOptions& tr
   }
 }
 
+/// How the vehicle's body tilts: as the source says, or as the options do.
+TiltParameters<double> tilt_of(const RunOptions& options, const SourceInfo& source,
+                               const std::string& filter) {
+  const bool asked = !options.suspension.empty() || options.tilt_sigma_rad.has_value() ||
+                     options.tilt_time_constant_s.has_value();
+  TiltParameters<double> tilt = source.tilt;
+  if (!options.suspension.empty()) tilt = find_suspension(options.suspension)->tilt;
+  if (options.tilt_sigma_rad) tilt.sigma_pitch_rad = tilt.sigma_roll_rad = *options.tilt_sigma_rad;
+  if (options.tilt_time_constant_s) tilt.time_constant_s = *options.tilt_time_constant_s;
+  if (filter != "lifted-iekf" || !tilt.tilts()) return tilt;
+  if (asked) throw UsageError("--filter lifted-iekf: has no states of a tilt");
+  return TiltParameters<double>::flat_floor();
+}
+
 TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& source,
                                const Frame& first) {
   TrackerOptions tracker;
@@ -101,7 +116,14 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
     throw UsageError(
         "--start-heading-variance, --start-position-variance: only for --mode vehicle");
   }
-  if (tracker.mode == Mode::kVehicle) set_start(options, first, tracker);
+  if (tracker.mode == Mode::kHandheld &&
+      (!options.suspension.empty() || options.tilt_sigma_rad || options.tilt_time_constant_s)) {
+    throw UsageError("--suspension, --tilt-sigma, --tilt-time-constant: only for --mode vehicle");
+  }
+  if (tracker.mode == Mode::kVehicle) {
+    set_start(options, first, tracker);
+    tracker.tilt = tilt_of(options, source, tracker.filter);
+  }
   return tracker;
 }
 
@@ -247,6 +269,7 @@ HallOptions hall_options(const RunOptions& options) {
   HallOptions hall;
   hall.seed = options.seed;
   hall.base_noise = options.odometry_noise == "base";
+  hall.tilt_rad = options.hall_tilt_rad;
   hall.first_frame = options.first_frame.value_or(0);
   if (hall.first_frame < 0) throw UsageError("--first-frame: the hall's frames start at 0");
   hall.frame_count = options.max_frames;

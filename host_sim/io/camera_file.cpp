@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/base/suspension.hpp"
 #include "host_sim/io/camera_formats/camera_formats.hpp"
 #include "host_sim/io/config_document.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -59,6 +60,16 @@ std::optional<Rigid<double>> read_mounting(const CameraSection& root) {
   }
   mounting.translation = {m[3], m[7], m[11]};
   return mounting;
+}
+
+std::optional<TiltParameters<double>> read_suspension(const CameraSection& root) {
+  if (!root.has("suspension")) return std::nullopt;
+  const NamedSuspension* known = find_suspension(root.text("suspension", "flat, car or rover"));
+  if (known == nullptr) {
+    root.fail("suspension",
+              fmt::format("expected flat, car or rover, found {}", root.shown("suspension")));
+  }
+  return known->tilt;
 }
 
 /// The pixel nearest to the principal point on the way to a corner that has no ray.
@@ -137,6 +148,7 @@ CameraFile read_camera_file(const fs::path& path) {
     file.format = format.name;
     file.camera = format.read(root);
     file.T_vehicle_camera = read_mounting(root);
+    file.tilt = read_suspension(root);
   }
   check_camera(file.camera, path);
   return file;

@@ -6,6 +6,7 @@
 
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
+#include "cairn/planar/tilt.hpp"
 
 namespace cairn::host {
 
@@ -13,6 +14,8 @@ struct CameraFile {
   PinholeCamera<double> camera;
   /// Key `T_vehicle_camera` (16 numbers, row by row), where given.
   std::optional<Rigid<double>> T_vehicle_camera;
+  /// Key `suspension` (flat, car, rover), where given: how the vehicle's body tilts.
+  std::optional<TiltParameters<double>> tilt;
   std::string format;  ///< which format it was read as
 };
 

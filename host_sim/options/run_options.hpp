@@ -43,6 +43,10 @@ struct RunOptions {
   std::string odometry_noise = "s1";
   std::optional<double> start_heading_variance;
   std::optional<double> start_position_variance;
+  std::string suspension;  ///< flat, car, rover; empty: the source's own
+  std::optional<double> tilt_sigma_rad;
+  std::optional<double> tilt_time_constant_s;
+  double hall_tilt_rad = 0.0;     ///< how far the hall's vehicle tilts, rms
   std::string profile = "plain";  ///< plain, calibrated: of landmark recordings
   HandheldOptions handheld;
   std::optional<int> work_limit;  ///< units of work a frame; empty: the tracker's own

@@ -133,6 +133,10 @@ void write_manifest(const std::filesystem::path& folder, const RunIdentity& iden
                      {"budget_ms", options.budget_ms},
                      {"start_position_variance", options.start_position_variance},
                      {"start_heading_variance", options.start_heading_variance},
+                     {"tilt",
+                      {{"sigma_pitch_rad", options.tilt.sigma_pitch_rad},
+                       {"sigma_roll_rad", options.tilt.sigma_roll_rad},
+                       {"time_constant_s", options.tilt.time_constant_s}}},
                      {"tracker", record.tracker}};
   manifest.source = {{"name", identity.source},
                      {"frame_rate_hz", source.frame_rate_hz},

@@ -10,6 +10,7 @@
 
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
+#include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/frame_report.hpp"
 
 namespace cairn::host {
@@ -49,10 +50,12 @@ struct SourceInfo {
   /// Where the camera sits on the vehicle; the identity for handheld sources.
   Rigid<double> T_vehicle_camera;
   std::optional<OdometryModel> odometry;  ///< absent: handheld
-  double frame_rate_hz = 30.0;            ///< nominal
-  std::optional<int> lap_frames;          ///< frames after which the path repeats, where it does
-  std::optional<int> frame_count;         ///< frames that will come, where known
-  std::uint64_t seed = 0;                 ///< 0 where nothing is random
+  /// How the vehicle's body tilts, as far as the source knows.
+  TiltParameters<double> tilt;
+  double frame_rate_hz = 30.0;     ///< nominal
+  std::optional<int> lap_frames;   ///< frames after which the path repeats, where it does
+  std::optional<int> frame_count;  ///< frames that will come, where known
+  std::uint64_t seed = 0;          ///< 0 where nothing is random
   /// Surfaces of the world that are known, convex polygons: what hides a virtual object. Vehicle
   /// mode alone, whose world is the true one.
   std::vector<std::vector<Vector3<double>>> surfaces;

@@ -2,6 +2,9 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "host_sim/world/body_tilt.hpp"
 #include "host_sim/world/drive.hpp"
 #include "host_sim/world/gaussian.hpp"
 #include "host_sim/world/hall.hpp"
@@ -15,6 +18,7 @@ constexpr int kPaperFrames = 2387;
 constexpr double kFrameRate = 30.0;
 constexpr double kWheelbase = 0.5;
 constexpr double kSamplesPerResearchStep = 3.0;  // 10 Hz noise figures, 30 Hz samples
+constexpr double kTiltTime_s = 0.5;
 constexpr double kDegree = kPi<double> / 180.0;
 
 PinholeCamera<double> hall_camera(int width) {
@@ -59,6 +63,7 @@ class HallSource final : public FrameSource {
         renderer_(camera_),
         sensor_(sensor_settings(options.seed)),
         odometry_noise_(options.seed ^ 0x0d0ULL),
+        body_({options.tilt_rad, options.tilt_rad, kTiltTime_s}, options.seed ^ 0x717ULL),
         next_(options.first_frame),
         end_(options.first_frame + options.frame_count.value_or(kPaperFrames)) {
     info_.name = options.width == 640 ? "hall" : "hall-small";
@@ -72,6 +77,7 @@ class HallSource final : public FrameSource {
     odometry.wheelbase_m = kWheelbase;
     odometry.period_s = 1.0 / kFrameRate;
     info_.odometry = odometry;
+    info_.tilt = {options.tilt_rad, options.tilt_rad, kTiltTime_s};
     info_.frame_rate_hz = kFrameRate;
     info_.lap_frames = static_cast<int>(std::lround(LapDrive::Shape().lap_time_s * kFrameRate));
     info_.frame_count = end_ - next_;
@@ -79,6 +85,9 @@ class HallSource final : public FrameSource {
     info_.seed = options.seed;
     info_.note = options.base_noise ? "odometry noise base: 0.05 m/s, 2 deg at 10 Hz"
                                     : "odometry noise s1: 0.1 m/s, 5 deg at 10 Hz";
+    if (options.tilt_rad > 0.0) {
+      info_.note += fmt::format("; pitch and roll of {} rad rms", options.tilt_rad);
+    }
   }
 
   const SourceInfo& info() const override { return info_; }
@@ -86,7 +95,8 @@ class HallSource final : public FrameSource {
   bool next(Frame& frame) override {
     if (next_ >= end_) return false;
     const PlanarPose pose = pose_of(next_);
-    const Rigid<double> T_world_vehicle = to_rigid(pose);
+    if (next_ > options_.first_frame) body_.advance(1.0 / kFrameRate);
+    const Rigid<double> T_world_vehicle = to_rigid(pose) * body_.tilt().T_level_vehicle();
     const Rigid<double> T_world_camera = T_world_vehicle * info_.T_vehicle_camera;
     frame.number = next_;
     frame.t_us = time_us(next_);
@@ -156,6 +166,7 @@ class HallSource final : public FrameSource {
   Renderer renderer_;
   Sensor sensor_;
   GaussianRandom odometry_noise_;
+  BodyTilt body_;
   SourceInfo info_;
   cv::Mat ideal_;
   int next_;

@@ -104,6 +104,7 @@ std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const Fra
   info.T_vehicle_camera = mounting();
   info.frame_rate_hz = 10.0;
   info.odometry = OdometryModel{OdometrySample::Kind::kTwist, kSpeedSigma, kYawRateSigma, 0.0, 0.1};
+  info.tilt = TiltParameters<double>::car();
   info.seed = seed;
   info.note = fmt::format("odometry from the poses with noise of {} m/s and {} rad/s", kSpeedSigma,
                           kYawRateSigma);

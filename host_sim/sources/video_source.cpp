@@ -117,6 +117,7 @@ class VideoSource final : public FrameSource {
                     kMostOdometryStep_us, span);
     info_.odometry = odometry_.model;
     info_.inputs.push_back(options_.odometry);
+    info_.tilt = camera_.tilt.value_or(TiltParameters<double>::car());
     info_.T_vehicle_camera = camera_.T_vehicle_camera.value_or(default_mounting());
     if (!camera_.T_vehicle_camera.has_value()) {
       info_.note += "; no T_vehicle_camera in the camera file: camera 1 m up, looking forward";

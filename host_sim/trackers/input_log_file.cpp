@@ -68,6 +68,9 @@ InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& so
   header.start_theta_rad = static_cast<float>(options.start_theta_rad);
   header.start_position_variance = static_cast<float>(options.start_position_variance);
   header.start_heading_variance = static_cast<float>(options.start_heading_variance);
+  header.tilt.sigma_pitch_rad = static_cast<float>(options.tilt.sigma_pitch_rad);
+  header.tilt.sigma_roll_rad = static_cast<float>(options.tilt.sigma_roll_rad);
+  header.tilt.time_constant_s = static_cast<float>(options.tilt.time_constant_s);
   return header;
 }
 

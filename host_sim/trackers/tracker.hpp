@@ -13,6 +13,7 @@
 #include "cairn/base/health.hpp"
 #include "cairn/estimation/observation.hpp"
 #include "cairn/geometry/rigid.hpp"
+#include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/frame_report.hpp"
 
 #include "host_sim/options/handheld_options.hpp"
@@ -83,6 +84,7 @@ struct TrackerOptions {
   double start_theta_rad = 0.0;
   double start_position_variance = kKnownStartVariance;
   double start_heading_variance = kKnownStartVariance;
+  TiltParameters<double> tilt;  ///< of the vehicle's body
 };
 
 /// The core's tracker for `options` on a source. Domain: filter and mode go together, and a source

@@ -352,6 +352,7 @@ TEST(CameraFile, ReadsTheMountingAndChecksIt) {
   const CameraFile file = read_camera_file(
       folder.write("c.yaml", with("[[0,0,1,0.35],[-1,0,0,0],[0,-1,0,1],[0,0,0,1]]")));
   ASSERT_TRUE(file.T_vehicle_camera.has_value());
+  EXPECT_FALSE(file.tilt.has_value());
   EXPECT_NEAR((*file.T_vehicle_camera * Vector3<double>(0, 0, 1)).x(), 1.35, 1e-12);
   EXPECT_TRUE(says(problem_of(folder, with("[0,0,1,0.35,-1,0,0,0,0,-1,0,1]")),
                    {"'T_vehicle_camera'", "4x4"}));
@@ -359,6 +360,19 @@ TEST(CameraFile, ReadsTheMountingAndChecksIt) {
                    {"'T_vehicle_camera'", "rotation"}));
   EXPECT_TRUE(says(problem_of(folder, with("[0,-1,0,0,0,0,-1,0,1,0,0,0,0.35,0,1,1]")),
                    {"'T_vehicle_camera'", "last row"}));
+}
+
+TEST(CameraFile, ReadsTheSuspensionAndChecksIt) {
+  const TemporaryFolder folder;
+  const std::string kalibr = kKalibr;
+  const CameraFile car = read_camera_file(folder.write("c.yaml", kalibr + "suspension: car\n"));
+  ASSERT_TRUE(car.tilt.has_value());
+  EXPECT_EQ(car.tilt->sigma_roll_rad, TiltParameters<double>::car().sigma_roll_rad);
+  const CameraFile flat = read_camera_file(folder.write("c.yaml", kalibr + "suspension: flat\n"));
+  ASSERT_TRUE(flat.tilt.has_value());
+  EXPECT_FALSE(flat.tilt->tilts());
+  EXPECT_TRUE(says(problem_of(folder, kalibr + "suspension: boat\n"),
+                   {"'suspension'", "flat, car or rover", "boat"}));
 }
 
 TEST(CameraFile, SensorDistortionOfOpenEkfMonoSlamIsConverted) {

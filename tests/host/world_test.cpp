@@ -136,6 +136,44 @@ TEST(HallSource, RepeatsToTheByteAndFollowsItsSeed) {
   EXPECT_NE(first, hash_of_frames(options));
 }
 
+TEST(HallSource, TiltsTheBodyWhereAsked) {
+  HallOptions options;
+  options.width = 32;
+  options.frame_count = 3000;
+  options.tilt_rad = 0.01;
+  const auto level = make_hall_source(HallOptions{});
+  EXPECT_FALSE(level->info().tilt.tilts());
+  const auto source = make_hall_source(options);
+  EXPECT_EQ(source->info().tilt.sigma_roll_rad, 0.01);
+  Frame frame;
+  double squares[2] = {};
+  double steps = 0.0;
+  double before = 0.0;
+  while (source->next(frame)) {
+    const Rigid<double>& T = *frame.true_T_world_vehicle;
+    const double pitch = -std::asin((T.rotation * Vector3<double>::UnitX()).z());
+    const double roll = std::asin((T.rotation * Vector3<double>::UnitY()).z());
+    squares[0] += pitch * pitch;
+    squares[1] += roll * roll;
+    if (frame.number > 0) steps += (pitch - before) * (pitch - before);
+    before = pitch;
+    const Rigid<double> T_vehicle_camera = T.inverse() * *frame.true_T_world_camera;
+    EXPECT_LT((T_vehicle_camera.translation - source->info().T_vehicle_camera.translation).norm(),
+              1e-12);
+  }
+  // 100 s of a process that returns in 0.5 s: some 100 independent values.
+  EXPECT_NEAR(std::sqrt(squares[0] / 3000) / 0.01, 1.0, 0.2);
+  EXPECT_NEAR(std::sqrt(squares[1] / 3000) / 0.01, 1.0, 0.2);
+  EXPECT_NEAR(std::sqrt(steps / 3000) / 0.01, std::sqrt(2.0 * (1.0 - std::exp(-1.0 / 15.0))), 0.03);
+
+  options.width = 320;
+  options.frame_count = 5;
+  EXPECT_EQ(hash_of_frames(options), hash_of_frames(options));
+  const std::uint64_t tilted = hash_of_frames(options);
+  options.tilt_rad = 0.0;
+  EXPECT_NE(hash_of_frames(options), tilted);
+}
+
 TEST(HallSource, OdometryHasTheStatedNoiseAboutTheTruth) {
   HallOptions options;
   options.width = 32;

@@ -43,6 +43,7 @@ InputLogHeader make_header() {
   header.T_vehicle_camera.translation = {0.1F, -0.2F, 0.3F};
   header.wheelbase_m = 2.83F;
   header.start_heading_variance = 0.03F;
+  header.tilt = {0.01F, 0.02F, 1.5F};
   return header;
 }
 
@@ -122,6 +123,9 @@ TEST(InputLog, ReadsBackWhatWasWritten) {
             expected.T_vehicle_camera.rotation.coeffs());
   EXPECT_EQ(replay.header.wheelbase_m, expected.wheelbase_m);
   EXPECT_EQ(replay.header.start_heading_variance, expected.start_heading_variance);
+  EXPECT_EQ(replay.header.tilt.sigma_pitch_rad, expected.tilt.sigma_pitch_rad);
+  EXPECT_EQ(replay.header.tilt.sigma_roll_rad, expected.tilt.sigma_roll_rad);
+  EXPECT_EQ(replay.header.tilt.time_constant_s, expected.tilt.time_constant_s);
   ASSERT_EQ(replay.samples.size(), 3U);
   ASSERT_EQ(replay.frames.size(), 3U);
   for (int i = 0; i < 3; ++i) {

@@ -30,7 +30,7 @@ class LostVehicle : public ::testing::Test {
   float uniform(float low, float high) {
     return low + (high - low) * static_cast<float>(random_.below(65536)) / 65535.0F;
   }
-  PlanarView view() const { return {camera_, T_vehicle_camera_}; }
+  PlanarView view() const { return {camera_, T_vehicle_camera_, sigma_tilt_rad_}; }
 
   Vector3<float> point_ahead() {
     const Vector3<float> p_vehicle{uniform(3.0F, 8.0F), uniform(-2.0F, 2.0F), uniform(0.0F, 2.5F)};
@@ -55,6 +55,7 @@ class LostVehicle : public ::testing::Test {
 
   PinholeCamera<float> camera_;
   Rigid<float> T_vehicle_camera_;
+  float sigma_tilt_rad_ = 0.0F;
   PlanarPose<float> truth_;
   PlanarPrior prior_;
   PlanarSighting sightings_[PlanarPoseOptions::kMaxSightings];
@@ -62,6 +63,20 @@ class LostVehicle : public ::testing::Test {
   int inlier_count_ = -1;
   Random random_{7};
 };
+
+/// Sightings that a tilt of the body has moved together are no outliers where that may be.
+TEST_F(LostVehicle, AllowsTheTiltThatIsUnknown) {
+  for (int i = 0; i < 12; ++i) add_right();
+  for (int i = 0; i < count_; ++i) {
+    sightings_[i].pixel.y() += 8.0F;
+    sightings_[i].sigma_px = 6.0F;
+  }
+  PlanarPose<float> pose;
+  EXPECT_EQ(search(pose), Status::kNoConsensus);
+  sigma_tilt_rad_ = 0.01F;
+  EXPECT_EQ(search(pose), Status::kOk);
+  EXPECT_NEAR(pose.heading, truth_.heading, 0.02F);
+}
 
 TEST_F(LostVehicle, JacobianIsTheSlopeOfThePixel) {
   constexpr float kStep = 1e-3F;

@@ -26,17 +26,22 @@ class MapOfAVehicle : public ::testing::Test {
   static constexpr int kUnits = 10000;
 
   MapOfAVehicle() {
+    start(TiltParameters<float>::flat_floor());
+    work_.reset(kUnits, 8);
+    work_.begin(0);
+  }
+
+  void start(const TiltParameters<float>& tilt) {
+    PlanarParameters<float> parameters;
+    parameters.tilt = tilt;
     const Rigid<float> T_vehicle_camera{{0.70710678F, -0.70710678F, 0.0F, 0.0F},
                                         {0.0F, 0.0F, 1.0F}};
     PlanarPose<float> pose;
     pose.position = {2.0F, 0.0F};
     const Matrix3<float> covariance = 1e-4F * Matrix3<float>::Identity();
-    EXPECT_TRUE(
-        ok(estimate_->initialise(test::to_float(test::small_camera()), T_vehicle_camera, pose,
-                                 covariance, PlanarParameters<float>{}, 0.5F, FloorParameters{})));
+    EXPECT_TRUE(ok(estimate_->initialise(test::to_float(test::small_camera()), T_vehicle_camera,
+                                         pose, covariance, parameters, 0.5F, FloorParameters{})));
     archive_.reset({}, covariance);
-    work_.reset(kUnits, 8);
-    work_.begin(0);
   }
 
   VehicleFrame<Config> frame() {
@@ -200,6 +205,44 @@ TEST_F(MapOfAVehicle, UsesALandmarkOnTheFloorOnce) {
   const float height = estimate_->filter().mean_landmark(slot).z();
   estimate_->constrain_to_floor(f, landmark);
   EXPECT_EQ(estimate_->filter().mean_landmark(slot).z(), height);
+}
+
+/// On a road no height tells where the floor is.
+TEST_F(MapOfAVehicle, WhereTheBodyTiltsTheFloorIsNotUsed) {
+  start(TiltParameters<float>::car());
+  TrackedLandmark landmark;
+  landmark.id = estimate_->next_id()++;
+  ASSERT_TRUE(ok(estimate_->filter().add_landmark(landmark.id, {1.0F, 2.0F, 0.05F},
+                                                  1e-4F * Matrix3<float>::Identity())));
+  auto f = frame();
+  estimate_->constrain_to_floor(f, landmark);
+  EXPECT_FALSE(landmark.floor_tested);
+}
+
+/// GIVEN a body that tilts WHEN a landmark appears higher than expected THEN the camera's pose has
+/// pitched, and what is seen then lies where the tilted camera sees it.
+TEST_F(MapOfAVehicle, TheCamerasPoseHasTheTilt) {
+  start(TiltParameters<float>::car());
+  const LandmarkId first = add(1.0F);
+  const LandmarkId second = add(-1.0F);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(ok(estimate_->filter().predict_tilt(0.5F)));
+  Estimate::Matches matches;
+  for (const LandmarkId id : {first, second}) {
+    PixelPrediction<float> seen;
+    ASSERT_TRUE(ok(estimate_->predict(estimate_->filter().find(id), seen)));
+    PixelMatch<float> match;
+    match.id = id;
+    match.slot = seen.slot;
+    match.pixel = seen.pixel + Vector2<float>(0.0F, -3.0F);
+    matches.push_back(match);
+  }
+  auto f = frame();
+  EXPECT_EQ(estimate_->update(f, matches, 2).inliers, 2);
+  // It looks to its left: what rises in the picture means that its left side went down.
+  EXPECT_LT(estimate_->filter().tilt().roll, -0.001F);
+  const Vector3<float> axis = estimate_->T_world_camera().rotation * Vector3<float>::UnitZ();
+  EXPECT_NEAR(axis.z(), sin(estimate_->filter().tilt().roll), 1e-4F);
+  EXPECT_LT(estimate_->tilt_covariance()(1, 1), estimate_->tilt_noise(100.0F)(1));
 }
 
 TEST_F(MapOfAVehicle, DoesNotTestAnUncertainHeight) {

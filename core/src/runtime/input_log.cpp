@@ -94,7 +94,7 @@ Status InputLogHeader::validate() const {
                       is_within(start_heading_variance, 0.0F, 1e3F);
   const bool rates = is_within(odometry_period_s, 1e-4F, 1e2F) &&
                      is_within(frame_rate_hz, 1e-2F, 1e4F) && is_within(fading, 1.0F, 2.0F);
-  return places && noises && rates ? Status::kOk : Status::kBadConfig;
+  return places && noises && rates && tilt.valid() ? Status::kOk : Status::kBadConfig;
 }
 
 namespace detail {
@@ -171,7 +171,8 @@ void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeade
   for (const float value :
        {header.speed_sigma_mps, header.turn_sigma, header.wheelbase_m, header.odometry_period_s,
         header.frame_rate_hz, header.start_x_m, header.start_y_m, header.start_theta_rad,
-        header.start_position_variance, header.start_heading_variance}) {
+        header.start_position_variance, header.start_heading_variance, header.tilt.sigma_pitch_rad,
+        header.tilt.sigma_roll_rad, header.tilt.time_constant_s}) {
     pack.f32(value);
   }
 }
@@ -206,7 +207,8 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], InputLogHeade
   for (float* value :
        {&header.speed_sigma_mps, &header.turn_sigma, &header.wheelbase_m, &header.odometry_period_s,
         &header.frame_rate_hz, &header.start_x_m, &header.start_y_m, &header.start_theta_rad,
-        &header.start_position_variance, &header.start_heading_variance}) {
+        &header.start_position_variance, &header.start_heading_variance,
+        &header.tilt.sigma_pitch_rad, &header.tilt.sigma_roll_rad, &header.tilt.time_constant_s}) {
     *value = unpack.f32();
   }
   return header.validate();

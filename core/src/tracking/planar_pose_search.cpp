@@ -77,13 +77,14 @@ int mark_agreeing(const Problem& problem, const Estimate& estimate, bool* agrees
 }
 
 int count_near(const Problem& problem, const PlanarPose<float>& pose) {
+  const float most_px = problem.options.inlier_px + 3.0F * problem.view.tilt_px();
   int near = 0;
   for (int i = 0; i < problem.count; ++i) {
     Vector2<float> pixel;
     Matrix<float, 2, 3> jacobian;
     const PlanarSighting& s = problem.sightings[i];
     if (!ok(problem.view.predict(pose, s.p_map, pixel, jacobian))) continue;
-    near += (s.pixel - pixel).squaredNorm() <= square(problem.options.inlier_px) ? 1 : 0;
+    near += (s.pixel - pixel).squaredNorm() <= square(most_px) ? 1 : 0;
   }
   return near;
 }

@@ -70,6 +70,21 @@ class PackedSymmetric {
     }
   }
 
+  /// a[i] += scale_a P(i, column), b the same, i = 0 .. n-1. Cost: 2 n multiply-adds.
+  void add_column(int column, T scale_a, T scale_b, T* __restrict a, T* __restrict b) const {
+    const T* r = row(column);
+    for (int j = 0; j <= column; ++j) {
+      a[j] += scale_a * r[j];
+      b[j] += scale_b * r[j];
+    }
+    const T* p = r + column;
+    for (int i = column + 1; i < size_; ++i) {
+      p += i;
+      a[i] += scale_a * *p;
+      b[i] += scale_b * *p;
+    }
+  }
+
   /// P -= weight * v v^T. Cost: n (n + 1) / 2 multiply-adds, one pass over P.
   void downdate(const T* v, T weight) {
     T* p = data_;

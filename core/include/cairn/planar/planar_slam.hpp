@@ -40,8 +40,8 @@ class PixelUpdate;
 /// kMaxLandmarks, kLandmarkDim, kVehicleStates, kStates, kHasWorldLandmarks, kDefersNoise, and
 ///   start, propagate, widen_pose      the vehicle: at a known pose, by odometry, with more noise
 ///   frame, relative                   the relative vector landmark - vehicle, in frame()'s axes
-///   relative_of, relative_columns,    with C its Jacobian by the error: C v, P C^T,
-///   relative_covariance,              C P C^T
+///   relative_of, relative_columns,    with C its Jacobian by the error: C v, P C^T (x and y; the
+///   height_state, relative_covariance height is a state of its own), C P C^T
 ///   relative_scale                    and the variances that it is a difference of
 ///   retraction, relative_after        the relative vector if a correction d were applied
 ///   correct                           applies d to the mean
@@ -57,7 +57,7 @@ class PlanarSlam {
   static constexpr int kLandmarkDim = ErrorModel::kLandmarkDim;
   static constexpr int kStates = ErrorModel::kStates;
   /// Most observations in one update.
-  static constexpr int kMaxObservations = kMaxLandmarks < 32 ? 64 : 2 * kMaxLandmarks;
+  static constexpr int kMaxObservations = kMaxLandmarks < 24 ? 48 : 2 * kMaxLandmarks;
   /// Whether landmarks known in the world can be added. Where not, add_world_landmark(),
   /// add_world_position(), add_framed_landmark() and widen_frame() return kInvalidArgument.
   static constexpr bool kHasWorldLandmarks = ErrorModel::kHasWorldLandmarks;
@@ -298,7 +298,7 @@ class PlanarSlam {
   // Scratch of one update: members, not locals, so that the stack stays small.
   Linearised observations_[kMaxObservations];
   InnovationCovariance<T> prior_[kMaxObservations];  ///< of the pixel candidates
-  int refused_[kMaxObservations] = {};
+  std::int16_t refused_[kMaxObservations] = {};
   int refused_count_ = 0;
   T admitted_nis_ = T(0);  ///< of the observations inside their gates, before the update
   bool singular_ = false;  ///< an innovation covariance was not positive definite

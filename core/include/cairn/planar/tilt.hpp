@@ -14,6 +14,13 @@ struct TiltParameters {
   T sigma_roll_rad = T(0);
   T time_constant_s = T(1);  ///< in which a tilt returns to 1/e
 
+  /// A hall's or a laboratory's floor, and a vehicle that is stiff.
+  static TiltParameters flat_floor() { return {}; }
+  /// A car on roads: springs, and roads that slope to their sides.
+  static TiltParameters car() { return {T(0.01), T(0.02), T(1)}; }
+  /// A small vehicle on rough ground.
+  static TiltParameters rover() { return {T(0.012), T(0.02), T(2)}; }
+
   bool tilts() const { return sigma_pitch_rad > T(0) && sigma_roll_rad > T(0); }
   /// Whether every value is finite and in its domain: both sigmas 0, or both above 0 and at most
   /// 0.3 rad.

@@ -5,6 +5,7 @@
 #include "cairn/base/status.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
+#include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/frame_report.hpp"
 #include "cairn/vision/image.hpp"
 
@@ -14,7 +15,7 @@ namespace cairn {
 /// target. Little endian. "CAIRNLOG", then records of {u8 type, u8[3] zero, u32 payload bytes,
 /// payload, u32 CRC-32 (IEEE 802.3) of all before it in the record}: one header, then odometry and
 /// frames in time order, then one end record with their counts.
-inline constexpr std::uint16_t kInputLogVersion = 2;
+inline constexpr std::uint16_t kInputLogVersion = 3;
 
 enum class LogMode : std::uint8_t { kVehicle = 0, kHandheld = 1 };
 enum class LogFilter : std::uint8_t { kGroupIekf = 0, kLiftedIekf = 1, kEkf = 2, kMono = 3 };
@@ -41,6 +42,7 @@ struct InputLogHeader {
   float start_theta_rad = 0.0F;
   float start_position_variance = 0.0F;
   float start_heading_variance = 0.0F;
+  TiltParameters<float> tilt;  ///< of the vehicle's body
 
   /// kBadConfig unless every value is finite and in its domain.
   Status validate() const;
@@ -60,7 +62,7 @@ namespace detail {
 
 inline constexpr int kLogMagicBytes = 8;
 inline constexpr int kLogRecordHeadBytes = 8;
-inline constexpr int kLogHeaderBytes = 136;
+inline constexpr int kLogHeaderBytes = 148;
 inline constexpr int kLogOdometryBytes = 20;
 inline constexpr int kLogFrameHeadBytes = 20;
 inline constexpr int kLogEndBytes = 8;

@@ -67,6 +67,7 @@ Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>
   const bool named = header.wheelbase_m > 0.0F;
   parameters.odometry.wheelbase_m = named ? header.wheelbase_m : kNoWheelbase_m;
   parameters.odometry.sample_period_s = header.odometry_period_s;
+  parameters.filter.tilt = header.tilt;
   typename Tracker::Start start;
   start.pose.position = Vector2<float>(header.start_x_m, header.start_y_m);
   start.pose.heading = header.start_theta_rad;

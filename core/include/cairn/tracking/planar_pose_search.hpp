@@ -28,7 +28,11 @@ struct PlanarSighting {
 /// A vehicle's camera on the floor of the map.
 struct PlanarView {
   const PinholeCamera<float>& camera;
-  const Rigid<float>& T_vehicle_camera;
+  const Rigid<float>& T_vehicle_camera;  ///< against the level vehicle
+  float sigma_tilt_rad = 0.0F;           ///< of the body's pitch and roll
+
+  /// How far the tilt moves a pixel, one standard deviation.
+  float tilt_px() const { return sigma_tilt_rad * camera.fx; }
 
   /// Pixel of a map point and its Jacobian by (x, y, heading). kOutOfView as project().
   Status predict(const PlanarPose<float>& pose, const Vector3<float>& p_map, Vector2<float>& pixel,
@@ -37,8 +41,9 @@ struct PlanarView {
 
 struct PlanarPoseOptions {
   static constexpr int kMaxSightings = 48;
-  float gate = 9.21F;      ///< of a sighting, under a hypothesis' covariance (99 %)
-  float inlier_px = 4.0F;  ///< largest reprojection error at the end
+  float gate = 9.21F;  ///< of a sighting, under a hypothesis' covariance (99 %)
+  float inlier_px =
+      4.0F;  ///< largest reprojection error at the end, beside three sigmas of the tilt
   int min_inliers = 4;
 };
 

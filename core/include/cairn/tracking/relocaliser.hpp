@@ -310,8 +310,10 @@ bool Relocaliser<Config>::find_near(const PlanarView& view, const PlanarPrior& p
     const float distance = near.visible[i].prediction.p_camera.z();
     PlanarSighting& sighting = near.sightings[sightings];
     sighting.p_map = landmark.p_map;
-    sighting.sigma_px = sqrt(square(parameters.sigma_px) + landmark.covariance.trace() / 3.0F *
-                                                               square(view.camera.fx / distance));
+    sighting.sigma_px =
+        sqrt(square(parameters.sigma_px) +
+             landmark.covariance.trace() / 3.0F * square(view.camera.fx / distance) +
+             square(view.tilt_px()));
     const Matrix2<float> S = jacobian * prior.covariance * jacobian.transpose() +
                              square(sighting.sigma_px) * Matrix2<float>::Identity();
     float i00 = 0.0F;

@@ -54,6 +54,11 @@ class VehicleEstimate {
   Rigid<float> T_world_camera() const { return T_world_vehicle() * T_level_camera(); }
   /// Covariance of the body's (pitch, roll), rad^2; zero for one that does not tilt.
   Matrix2<float> tilt_covariance() const { return filter_.tilt_covariance(); }
+  /// Of the larger of the two, rad.
+  float sigma_tilt() const {
+    const Matrix2<float> covariance = tilt_covariance();
+    return sqrt(covariance(0, 0) > covariance(1, 1) ? covariance(0, 0) : covariance(1, 1));
+  }
   /// Variances that a step of `step_s` seconds adds to it.
   Vector2<float> tilt_noise(float step_s) const { return filter_.tilt_noise(step_s); }
 
@@ -94,7 +99,8 @@ class VehicleEstimate {
   /// Uses a landmark on the floor as a measurement of height 0, once its height is known well
   /// enough to distinguish the floor from what stands on it. The camera's height above the floor is
   /// the one length, beside odometry, that makes the map's scale observable. Landmarks of the
-  /// library and those tested before are passed over.
+  /// library and those tested before are passed over, and all where the body tilts: the floor is
+  /// then none that heights could be compared with.
   void constrain_to_floor(FrameContext& frame, TrackedLandmark& landmark);
 
   /// Removes a landmark from the filter and from the records.
@@ -166,7 +172,7 @@ PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matche
 template <class Filter>
 void VehicleEstimate<Filter>::constrain_to_floor(FrameContext& frame, TrackedLandmark& landmark) {
   if (landmark.floor_tested || landmark.from_library) return;
-  if (!(floor_.sigma_m > 0.0F)) return;
+  if (!(floor_.sigma_m > 0.0F) || filter_.tilts()) return;
   const int slot = filter_.find(landmark.id);
   const float variance = filter_.landmark_covariance(slot)(2, 2);
   if (variance > square(floor_.height_sigma_max_m)) return;

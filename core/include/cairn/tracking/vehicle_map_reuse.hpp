@@ -167,8 +167,9 @@ PlaceVerification VehicleMapReuse<Config, Filter>::relocalise(Frame& frame, Esti
                             frame.scratch.relocaliser, budget);
     return result;
   }
-  const Outcome outcome = relocalisation_.step({frame.camera, estimate.T_level_camera()}, library,
-                                               frame.random, frame.scratch.relocaliser, budget);
+  const Outcome outcome =
+      relocalisation_.step({frame.camera, estimate.T_level_camera(), estimate.sigma_tilt()},
+                           library, frame.random, frame.scratch.relocaliser, budget);
   if (outcome == Outcome::kFound && !plausible(estimate, relocalisation_.T_map_camera())) {
     refuse(frame);
   }

@@ -167,7 +167,7 @@ template <class ErrorModel>
 void PlanarSlam<ErrorModel>::refuse(int slot, UpdateReport& report) {
   ++report.gated;
   ++health_.innovations_gated;
-  refused_[refused_count_++] = slot;
+  refused_[refused_count_++] = static_cast<std::int16_t>(slot);
 }
 
 /// Updates with observations_[first .. first + count), all linearised at the present mean.

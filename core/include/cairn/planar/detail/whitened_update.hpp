@@ -160,34 +160,24 @@ class WhitenedUpdate {
   /// g = P H^T, P as it is stored.
   void project(const Model& model, const Observation& o, const TiltRows<T>& tilt, T* g0, T* g1) {
     constexpr int kDim = Model::kLandmarkDim;
-    if (o.direct) {
-      model.relative_columns(o.slot, g0, g1, nullptr);
-      return;
-    }
-    const int n = model.covariance().size();
-    model.relative_columns(o.slot, g0, g1, kDim > 2 ? third_ : nullptr);
+    model.relative_columns(o.slot, g0, g1);
+    if (o.direct) return;
+    const auto& P = model.covariance();
+    const int n = P.size();
     for (int i = 0; i < n; ++i) {
       const T c0 = g0[i];
       const T c1 = g1[i];
       g0[i] = o.h[0][0] * c0 + o.h[0][1] * c1;
       g1[i] = o.h[1][0] * c0 + o.h[1][1] * c1;
-      if constexpr (kDim > 2) {
-        g0[i] += o.h[0][2] * third_[i];
-        g1[i] += o.h[1][2] * third_[i];
-      }
+    }
+    if constexpr (kDim > 2) {
+      P.add_column(model.height_state(o.slot), o.h[0][2], o.h[1][2], g0, g1);
     }
     if constexpr (kTilts) {
-      if (o.tilts) project_tilt(model.covariance(), tilt, g0, g1);
-    }
-  }
-  static void project_tilt(const typename Model::Covariance& P, const TiltRows<T>& tilt, T* g0,
-                           T* g1) {
-    constexpr int kTilt = Model::kTiltState;
-    const int n = P.size();
-    for (int i = 0; i < n; ++i) {
-      const T with[2] = {P(i, kTilt), P(i, kTilt + 1)};
-      g0[i] += tilt.row(0, with);
-      g1[i] += tilt.row(1, with);
+      if (!o.tilts) return;
+      for (int k = 0; k < 2; ++k) {
+        P.add_column(Model::kTiltState + k, tilt.t[0][k], tilt.t[1][k], g0, g1);
+      }
     }
   }
 
@@ -308,7 +298,6 @@ class WhitenedUpdate {
 
   // Members, not locals, so that the stack stays small.
   T directions_[kMostRank][Model::kStates] = {};
-  T third_[Model::kStates] = {};
   T correction_[Model::kStates] = {};
   DeferredNoise<T> deferred_;
   TiltAxes<T> axes_;

@@ -35,6 +35,8 @@ class CartesianMap {
   /// States before the first landmark's.
   int vehicle_states() const { return TiltStates > 0 && tilts_ ? kVehicleStates : kPoseStates; }
   int state_of(int slot) const { return vehicle_states() + slot * kLandmarkStates; }
+  /// Of landmarks with one.
+  int height_state(int slot) const { return state_of(slot) + 2; }
   int landmark_count() const { return landmarks_; }
   Covariance& covariance() { return P_; }
   const Covariance& covariance() const { return P_; }

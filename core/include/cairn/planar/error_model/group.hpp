@@ -86,7 +86,7 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     for (int i = 0; i < LandmarkDim; ++i) out[i] = P_(l + i, l + i);
     for (int i = 0; i < 2; ++i) out[i] += P_(kPositionState + i, kPositionState + i);
   }
-  void relative_columns(int slot, T* __restrict c0, T* __restrict c1, T* __restrict c2) const;
+  void relative_columns(int slot, T* __restrict c0, T* __restrict c1) const;
 
   using Retraction = detail::PlanarExponential<T>;
   Retraction retraction(const T* d) const { return Retraction(d[0]); }
@@ -277,7 +277,7 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_covaria
 
 template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
 void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_columns(
-    int slot, T* __restrict c0, T* __restrict c1, T* __restrict c2) const {
+    int slot, T* __restrict c0, T* __restrict c1) const {
   const int n = P_.size();
   const int l = Map::state_of(slot);
   const T* x = P_.row(l);
@@ -315,13 +315,6 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_columns
   if (j < n) {
     c0[j] = p[to] - p[0];
     c1[j] = p[to + 1] - p[1];
-  }
-  if constexpr (LandmarkDim > 2) {
-    if (c2 != nullptr) {
-      const T* height = P_.row(l + 2);
-      for (int k = 0; k < l + 2; ++k) c2[k] = height[k];
-      for (int k = l + 2; k < n; ++k) c2[k] = P_.row(k)[l + 2];
-    }
   }
 }
 

@@ -89,7 +89,7 @@ class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     for (int i = 0; i < 2; ++i)
       out[i] += P_(i, i) + square(arm[i]) * P_(kHeadingState, kHeadingState);
   }
-  void relative_columns(int slot, T* c0, T* c1, T* c2) const;
+  void relative_columns(int slot, T* c0, T* c1) const;
 
   struct Retraction {
     T cosine;
@@ -208,8 +208,7 @@ void WorldErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_covaria
 
 template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
 void WorldErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_columns(int slot, T* c0,
-                                                                                 T* c1,
-                                                                                 T* c2) const {
+                                                                                 T* c1) const {
   const int n = P_.size();
   const int l = Map::state_of(slot);
   const T dx = p_[slot][0] - x_[0];
@@ -233,12 +232,6 @@ void WorldErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_columns
     c0[j] = row[l] - row[0] + dy * row[2];
     c1[j] = row[l + 1] - row[1] - dx * row[2];
     row += j + 1;
-  }
-  if constexpr (LandmarkDim > 2) {
-    if (c2 == nullptr) return;
-    const T* height = P_.row(l + 2);
-    for (int j = 0; j < l + 2; ++j) c2[j] = height[j];
-    for (int j = l + 2; j < n; ++j) c2[j] = P_.row(j)[l + 2];
   }
 }
 

@@ -39,6 +39,7 @@ class LiftedErrorModel {
   void set_parameters(const LiftedParameters& parameters) { parameters_ = parameters; }
 
   static int state_of(int slot) { return kVehicleStates + slot * kLandmarkStates; }
+  int height_state(int slot) const { return state_of(slot) + kLandmarkStates - 1; }
   Covariance& covariance() { return P_; }
   const Covariance& covariance() const { return P_; }
   T lifted(int i) const { return z_[i]; }
@@ -70,7 +71,7 @@ class LiftedErrorModel {
     out[1] = P_(6, 6) + P_(9, 9) + P_(l + 2, l + 2) + P_(l + 5, l + 5);
     if constexpr (LandmarkDim > 2) out[2] = P_(l + kLandmark - 1, l + kLandmark - 1);
   }
-  void relative_columns(int slot, T* c0, T* c1, T* c2) const;
+  void relative_columns(int slot, T* c0, T* c1) const;
 
   struct Retraction {};
   Retraction retraction(const T*) const { return {}; }

@@ -141,8 +141,8 @@ void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::relative_covariance(
 }
 
 template <class T, int MaxLandmarks, int LandmarkDim>
-void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::relative_columns(int slot, T* c0, T* c1,
-                                                                      T* c2) const {
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::relative_columns(int slot, T* c0,
+                                                                      T* c1) const {
   const int l = state_of(slot);
   const int x[4] = {7, 8, l + 3, l + 4};
   const T sign_x[4] = {T(-1), T(-1), T(1), T(1)};
@@ -150,10 +150,6 @@ void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::relative_columns(int slot, 
   const T sign_y[4] = {T(1), T(-1), T(-1), T(1)};
   P_.multiply_sparse(x, sign_x, 4, c0);
   P_.multiply_sparse(y, sign_y, 4, c1);
-  if (c2 == nullptr) return;
-  const int height[1] = {l + kLandmark - 1};
-  const T one[1] = {T(1)};
-  P_.multiply_sparse(height, one, 1, c2);
 }
 
 template <class T, int MaxLandmarks, int LandmarkDim>
