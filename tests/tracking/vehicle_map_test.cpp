@@ -200,23 +200,60 @@ TEST_F(MapOfAVehicle, UsesALandmarkOnTheFloorOnce) {
   const int slot = estimate_->filter().find(landmark.id);
   auto f = frame();
   estimate_->constrain_to_floor(f, landmark);
-  EXPECT_TRUE(landmark.floor_tested);
+  EXPECT_EQ(landmark.floor, FloorTest::kDone);
   EXPECT_LT(estimate_->filter().mean_landmark(slot).z(), 0.01F);
   const float height = estimate_->filter().mean_landmark(slot).z();
   estimate_->constrain_to_floor(f, landmark);
   EXPECT_EQ(estimate_->filter().mean_landmark(slot).z(), height);
 }
 
-/// On a road no height tells where the floor is.
-TEST_F(MapOfAVehicle, WhereTheBodyTiltsTheFloorIsNotUsed) {
-  start(TiltParameters<float>::car());
-  TrackedLandmark landmark;
-  landmark.id = estimate_->next_id()++;
-  ASSERT_TRUE(ok(estimate_->filter().add_landmark(landmark.id, {1.0F, 2.0F, 0.05F},
-                                                  1e-4F * Matrix3<float>::Identity())));
+/// Where the body tilts, heights are not used until enough of them lie on a floor; then also those
+/// that proved it.
+TEST_F(MapOfAVehicle, WhereTheBodyTiltsTheFloorMustProveItself) {
+  start({1e-5F, 1e-5F, 1.0F});
   auto f = frame();
-  estimate_->constrain_to_floor(f, landmark);
-  EXPECT_FALSE(landmark.floor_tested);
+  TrackedLandmark first;
+  for (int i = 0; i < 16; ++i) {
+    TrackedLandmark landmark;
+    landmark.id = estimate_->next_id()++;
+    const float height_m = i < 8 ? 0.03F : 0.5F;
+    ASSERT_TRUE(ok(estimate_->filter().add_landmark(landmark.id, {1.0F, 2.0F, height_m},
+                                                    9e-4F * Matrix3<float>::Identity())));
+    estimate_->constrain_to_floor(f, landmark);
+    if (i == 0) first = landmark;
+    if (i == 14) EXPECT_EQ(first.floor, FloorTest::kCounted);
+    if (i < 15) EXPECT_EQ(landmark.floor, FloorTest::kCounted) << i;
+    if (i > 0)
+      ASSERT_TRUE(ok(estimate_->filter().remove_landmark(estimate_->filter().find(landmark.id))));
+  }
+  const int slot = estimate_->filter().find(first.id);
+  EXPECT_NEAR(estimate_->filter().mean_landmark(slot).z(), 0.03F, 1e-4F);
+  estimate_->constrain_to_floor(f, first);
+  EXPECT_EQ(first.floor, FloorTest::kDone);
+  EXPECT_LT(estimate_->filter().mean_landmark(slot).z(), 0.015F);
+}
+
+TEST(FloorProof, ARoadProvesNothing) {
+  FloorProof proof;
+  proof.reset(false);
+  EXPECT_TRUE(proof.proven());
+  proof.reset(true);
+  for (int i = 0; i < 500; ++i) {
+    const float height_m = 0.02F * static_cast<float>(i % 50) - 0.2F;  // a fifth lies below
+    proof.note(height_m, square(height_m / 0.05F), 3.84F);
+    EXPECT_FALSE(proof.proven()) << i;
+  }
+}
+
+TEST(FloorProof, AFloorProvesItselfAndMayEnd) {
+  FloorProof proof;
+  proof.reset(true);
+  for (int i = 0; i < 200; ++i) {
+    proof.note(0.1F * static_cast<float>(i % 2), static_cast<float>(9 * (i % 2)), 3.84F);
+    EXPECT_EQ(proof.proven(), i >= 15) << i;
+  }
+  for (int i = 0; i < 20; ++i) proof.note(-0.3F, 20.0F, 3.84F);
+  EXPECT_FALSE(proof.proven());
 }
 
 /// GIVEN a body that tilts WHEN a landmark appears higher than expected THEN the camera's pose has
@@ -252,7 +289,7 @@ TEST_F(MapOfAVehicle, DoesNotTestAnUncertainHeight) {
                                                   0.01F * Matrix3<float>::Identity())));
   auto f = frame();
   estimate_->constrain_to_floor(f, landmark);
-  EXPECT_FALSE(landmark.floor_tested);
+  EXPECT_EQ(landmark.floor, FloorTest::kOpen);
 }
 
 }  // namespace

@@ -270,7 +270,8 @@ class PlanarSlam {
   bool admit(const Linearised& observation, const InnovationCovariance<T>& s, T gate,
              UpdateReport& report);
   InnovationCovariance<T> innovation_of(const Linearised& observation,
-                                        const RelativeCovariance<T>& covariance) const;
+                                        const RelativeCovariance<T>& covariance,
+                                        const RelativeFrame<T>& frame) const;
   CameraView<T> camera_view(const PinholeCamera<T>& camera, const Rigid<T>& T_vehicle_camera,
                             T sigma_px) const;
   bool tells_nothing_new(int count, UpdateReport& report);

@@ -4,6 +4,7 @@
 #include "cairn/base/hash.hpp"
 #include "cairn/estimation/observation.hpp"
 #include "cairn/tracking/appearance.hpp"
+#include "cairn/tracking/floor_proof.hpp"
 
 namespace cairn {
 
@@ -18,7 +19,7 @@ struct TrackedLandmark {
   bool searched = false;      ///< in the last frame
   bool from_library = false;  ///< reactivated from the map library
   bool stored = false;        ///< it is in the map library, or was sent there
-  bool floor_tested = false;  ///< whether it lies on the floor was decided
+  FloorTest floor = FloorTest::kOpen;
 };
 
 /// The tracker's records of the filter's landmarks, found by id. Cost of a look-up: Capacity

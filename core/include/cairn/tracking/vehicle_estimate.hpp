@@ -77,6 +77,10 @@ class VehicleEstimate {
 
   /// Most units of work that update() takes with so many matches.
   int update_work(int matches) const;
+  /// Units of work of one predict().
+  int projection_work() const {
+    return work::kProjection + (filter_.tilts() ? work::kTiltedProjection : 0);
+  }
   /// Least number of inliers that the filter's parameters ask for.
   int min_inliers() const { return ransac_.min_inliers; }
 
@@ -99,8 +103,8 @@ class VehicleEstimate {
   /// Uses a landmark on the floor as a measurement of height 0, once its height is known well
   /// enough to distinguish the floor from what stands on it. The camera's height above the floor is
   /// the one length, beside odometry, that makes the map's scale observable. Landmarks of the
-  /// library and those tested before are passed over, and all where the body tilts: the floor is
-  /// then none that heights could be compared with.
+  /// library and those tested before are passed over. Where the body tilts the ground must first
+  /// prove to be a floor (FloorProof).
   void constrain_to_floor(FrameContext& frame, TrackedLandmark& landmark);
 
   /// Removes a landmark from the filter and from the records.
@@ -110,6 +114,12 @@ class VehicleEstimate {
   /// Of a filter whose error is that of pose, tilt and landmarks.
   int state_count() const { return (filter_.tilts() ? 5 : 3) + 3 * filter_.landmark_count(); }
 
+  int pixel_work(int candidates, int hypotheses, int used) const {
+    const int states = state_count();
+    return work::planar_update(states, candidates, hypotheses, used) +
+           (filter_.tilts() ? work::tilted_update(states, candidates, hypotheses, used) : 0);
+  }
+
   Filter filter_;
   Landmarks landmarks_;
   LandmarkId next_id_ = 1;
@@ -117,6 +127,7 @@ class VehicleEstimate {
   Rigid<float> T_vehicle_camera_;
   OnePointRansacParameters ransac_;
   FloorParameters floor_;
+  FloorProof floor_proof_;
   float sigma_px_ = 0.5F;
 };
 
@@ -135,6 +146,7 @@ Status VehicleEstimate<Filter>::initialise(const PinholeCamera<float>& camera,
   T_vehicle_camera_ = T_vehicle_camera;
   ransac_ = filter.ransac;
   floor_ = floor;
+  floor_proof_.reset(filter.tilt.tilts());
   sigma_px_ = sigma_px;
   return Status::kOk;
 }
@@ -142,8 +154,7 @@ Status VehicleEstimate<Filter>::initialise(const PinholeCamera<float>& camera,
 template <class Filter>
 int VehicleEstimate<Filter>::update_work(int matches) const {
   const int most = ransac_.max_hypotheses;
-  const int states = state_count();
-  return work::planar_update(states, matches, matches < most ? matches : most, matches);
+  return pixel_work(matches, matches < most ? matches : most, matches);
 }
 
 template <class Filter>
@@ -160,8 +171,7 @@ PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matche
   if (result.left_out > 0) frame.work.raise_cut(FrameCut::kFewerUpdates);
   result.status = filter_.update_pixels(camera_, T_vehicle_camera_, sigma_px_, matches.data(),
                                         matches.size(), frame.random, result.report);
-  frame.work.spend(work::planar_update(state_count(), matches.size(), result.report.hypotheses,
-                                       result.report.nis_dof / 2));
+  frame.work.spend(pixel_work(matches.size(), result.report.hypotheses, result.report.nis_dof / 2));
   for (PixelMatch<float>& match : matches) {
     if (!ok(result.status)) match.inlier = false;
     result.inliers += match.inlier ? 1 : 0;
@@ -171,14 +181,22 @@ PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matche
 
 template <class Filter>
 void VehicleEstimate<Filter>::constrain_to_floor(FrameContext& frame, TrackedLandmark& landmark) {
-  if (landmark.floor_tested || landmark.from_library) return;
-  if (!(floor_.sigma_m > 0.0F) || filter_.tilts()) return;
+  if (landmark.floor == FloorTest::kDone || landmark.from_library) return;
+  if (!(floor_.sigma_m > 0.0F)) return;
+  if (landmark.floor == FloorTest::kCounted && !floor_proof_.proven()) return;
   const int slot = filter_.find(landmark.id);
   const float variance = filter_.landmark_covariance(slot)(2, 2);
   if (variance > square(floor_.height_sigma_max_m)) return;
   const int most = work::height_update(state_count());
   if (!frame.work.affords(most)) return;
-  landmark.floor_tested = true;
+  if (landmark.floor == FloorTest::kOpen && filter_.tilts()) {
+    const float height_m = filter_.mean_landmark(slot)(2);
+    floor_proof_.note(height_m, square(height_m) / (variance + square(floor_.sigma_m)),
+                      floor_.gate);
+    landmark.floor = FloorTest::kCounted;
+    if (!floor_proof_.proven()) return frame.work.spend(work::kProjection);
+  }
+  landmark.floor = FloorTest::kDone;
   const Status used = filter_.update_height(landmark.id, 0.0F, floor_.sigma_m, floor_.gate);
   frame.work.spend(ok(used) ? most : work::kProjection);
 }

@@ -63,6 +63,14 @@ inline int planar_update(int states, int candidates, int hypotheses, int used) {
   return look + gains + passes * (states * states / 90);
 }
 
+/// What pixels of a camera that tilts with its vehicle take on top: a projection, and
+/// update_pixels().
+inline constexpr int kTiltedProjection = 1;
+inline int tilted_update(int states, int candidates, int hypotheses, int used) {
+  const int look = 2 * candidates + hypotheses * (1 + states / 50 + candidates / 6);
+  return look + used * (1 + states / 50);
+}
+
 /// update_height(): one direction and a pass over the covariance.
 inline int height_update(int states) {
   return 8 + states / 8 + states * states / 90;

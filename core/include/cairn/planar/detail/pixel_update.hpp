@@ -121,7 +121,7 @@ class PixelUpdate {
         filter_.refuse(slot, report_);
         continue;
       }
-      const InnovationCovariance<T> s = filter_.innovation_of(candidate, covariance);
+      const InnovationCovariance<T> s = filter_.innovation_of(candidate, covariance, view_.frame);
       filter_.prior_[candidates] = s;
       if (filter_.admit(candidate, s, filter_.parameters_.gate, report_)) ++candidates;
     }
@@ -245,7 +245,7 @@ class PixelUpdate {
         filter_.refuse(rescued.slot, report_);
         continue;
       }
-      const InnovationCovariance<T> s = filter_.innovation_of(rescued, covariance);
+      const InnovationCovariance<T> s = filter_.innovation_of(rescued, covariance, view_.frame);
       if (filter_.admit(rescued, s, filter_.parameters_.rescue_gate, report_)) ++kept;
     }
     return kept;

@@ -156,7 +156,7 @@ Status PlanarSlam<ErrorModel>::predict_pixel(int slot, const PinholeCamera<T>& c
     const Vector2<T> pixel(-expected.innovation[0], -expected.innovation[1]);
     if (!camera.contains(pixel)) return Status::kOutOfView;
     expected.slot = slot;
-    const InnovationCovariance<T> s = innovation_of(expected, covariance);
+    const InnovationCovariance<T> s = innovation_of(expected, covariance, view.frame);
     prediction.id = slots_.id(slot);
     prediction.slot = slot;
     prediction.pixel = pixel;
@@ -170,27 +170,26 @@ Status PlanarSlam<ErrorModel>::predict_pixel(int slot, const PinholeCamera<T>& c
 template <class ErrorModel>
 CameraView<typename ErrorModel::Scalar> PlanarSlam<ErrorModel>::camera_view(
     const PinholeCamera<T>& camera, const Rigid<T>& T_vehicle_camera, T sigma_px) const {
-  CameraView<T> view(camera, T_vehicle_camera, sigma_px);
+  const bool tilted = tilts();
+  CameraView<T> view(
+      camera, tilted ? tilt().T_level_vehicle() * T_vehicle_camera : T_vehicle_camera, sigma_px);
   view.frame = model_.frame();
-  if constexpr (kTilts) {
-    if (model_.tilts()) {
-      view.mount(model_.tilt().T_level_vehicle() * T_vehicle_camera);
-      view.tilts = true;
-    }
-  }
+  view.tilts = tilted;
   return view;
 }
 
-/// S of an observation linearised at the present mean, whose relative vector has `covariance`.
+/// S of an observation linearised at the present mean in `frame`, whose relative vector has
+/// `covariance`.
 template <class ErrorModel>
 InnovationCovariance<typename ErrorModel::Scalar> PlanarSlam<ErrorModel>::innovation_of(
-    const Linearised& observation, const RelativeCovariance<T>& covariance) const {
+    const Linearised& observation, const RelativeCovariance<T>& covariance,
+    [[maybe_unused]] const RelativeFrame<T>& frame) const {
   InnovationCovariance<T> s = innovation_covariance(observation, covariance);
   if constexpr (kTilts) {
     if (observation.tilts) {
       T relative[3];
       model_.relative(observation.slot, relative);
-      const TiltRows<T> rows(observation, relative, model_.tilt_axes(model_.frame()));
+      const TiltRows<T> rows(observation, relative, model_.tilt_axes(frame));
       TiltCovariance<T> tilt;
       model_.tilt_covariance(observation.slot, tilt);
       add_tilt_covariance(observation, rows, tilt, s);

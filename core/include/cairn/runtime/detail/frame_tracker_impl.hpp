@@ -83,7 +83,7 @@ void FrameTracker<Config, Filter>::begin(const ImageView& image) {
   local_map_.begin_frame(image);
   measurement_.begin();
   work_.begin(work::kFrame + work::repeated_image(image.width, image.height) +
-              work::kProjection * estimate_.size());
+              estimate_.projection_work() * estimate_.size());
   map_reuse_.begin_frame(monitor_.weak_frames());
 }
 
