@@ -11,8 +11,8 @@
 #include "cairn/base/config.hpp"
 
 #include "host_sim/base/names.hpp"
-#include "host_sim/base/suspension.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/suspension.hpp"
 #include "host_sim/reports/report.py.hpp"
 #include "host_sim/reports/run_folder.hpp"
 #include "host_sim/reports/run_outputs.hpp"

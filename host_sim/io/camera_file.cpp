@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "host_sim/base/suspension.hpp"
 #include "host_sim/io/camera_formats/camera_formats.hpp"
 #include "host_sim/io/config_document.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/pose_file.hpp"
+#include "host_sim/io/suspension.hpp"
 #include "host_sim/io/text_file.hpp"
 
 namespace cairn::host {
