@@ -78,7 +78,8 @@ class SearchOfLandmarks : public ::testing::Test {
   }
   int count() const { return filter_.size(); }
   int most_work(int slot) const {
-    return most_search_work(filter_.predictions[static_cast<std::size_t>(slot)], parameters_);
+    return most_search_work(filter_.predictions[static_cast<std::size_t>(slot)], Appearance{},
+                            parameters_);
   }
 
   Filter filter_;

@@ -118,5 +118,29 @@ TEST_F(SearchOfAPatch, StaysInsideTheImage) {
   EXPECT_NE(search(), Status::kOk);
 }
 
+/// A point of unknown depth: its ellipse is long and thin, along the epipolar line.
+TEST_F(SearchOfAPatch, FollowsALongThinEllipse) {
+  parameters_.max_half_window_px = PatchSearchParameters::kMaxHalfWindow;
+  expect_at(kX - 40.0F, kY - 20.0F, 1.0F);
+  const Vector2<float> along(20.0F, 10.0F);
+  prediction_.covariance += along * along.transpose();
+  ASSERT_EQ(search(), Status::kOk);
+  EXPECT_LT(error(), 0.1F);
+  PatchWindow window;
+  ASSERT_TRUE(make_patch_window(prediction_, parameters_, window));
+  EXPECT_LT(window.places, 300) << "its area, not that of the rectangle around it";
+}
+
+TEST_F(SearchOfAPatch, CutsAnEllipseThatIsTooLarge) {
+  parameters_.max_half_window_px = PatchSearchParameters::kMaxHalfWindow;
+  expect_at(kX, kY, 60.0F);
+  PatchWindow window;
+  ASSERT_TRUE(make_patch_window(prediction_, parameters_, window));
+  EXPECT_LE(window.places, PatchSearchParameters::kMaxPlaces);
+  EXPECT_LT(window.gate, parameters_.gate);
+  ASSERT_EQ(search(), Status::kOk);
+  EXPECT_LT(error(), 0.1F);
+}
+
 }  // namespace
 }  // namespace cairn

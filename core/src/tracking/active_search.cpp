@@ -32,15 +32,6 @@ bool make_ellipse(const PixelPrediction<float>& prediction, float gate, Ellipse&
   return true;
 }
 
-/// Units that search_patch() takes over the ellipse of a prediction.
-int patch_search_work(const PixelPrediction<float>& prediction, float gate) {
-  constexpr int kItself = 8 + work::kAlignment;
-  constexpr int kWindowsPerUnit = 3;  // of every second pixel of every second row
-  Ellipse ellipse;
-  if (!make_ellipse(prediction, gate, ellipse)) return work::kSearchItself;
-  return kItself + (ellipse.half_x + 1) * (ellipse.half_y + 1) / kWindowsPerUnit;
-}
-
 struct Found {
   int x = 0;
   int y = 0;
@@ -107,9 +98,10 @@ bool align(const ImageView& image, const Appearance& appearance, const PatchWarp
 
 }  // namespace
 
-int most_search_work(const PixelPrediction<float>& prediction, const SearchParameters& parameters) {
-  if (parameters.method == SearchMethod::kPatch) {
-    return patch_search_work(prediction, parameters.patch.gate);
+int most_search_work(const PixelPrediction<float>& prediction, const Appearance& appearance,
+                     const SearchParameters& parameters) {
+  if (parameters.method == SearchMethod::kPatch && appearance.has_patch) {
+    return patch_search_work(prediction, parameters.patch);
   }
   Ellipse ellipse;
   if (!make_ellipse(prediction, parameters.gate, ellipse)) return work::kSearchItself;
@@ -126,7 +118,7 @@ Status search_landmark(const ImageView& image, const PixelPrediction<float>& pre
   PatchWarp patch_warp;
   if (!to_patch_warp(warp, patch_warp)) return Status::kOutOfView;
   if (parameters.method == SearchMethod::kPatch && appearance.has_patch) {
-    report.work = patch_search_work(prediction, parameters.patch.gate);
+    report.work = patch_search_work(prediction, parameters.patch);
     return search_patch(image, prediction, appearance.patch, patch_warp, parameters.patch, pixel);
   }
   Ellipse ellipse;

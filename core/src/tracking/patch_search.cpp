@@ -4,6 +4,7 @@
 
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/detail/patch_rows.hpp"
 #include "cairn/vision/detail/word_dsp.hpp"
 
@@ -151,44 +152,102 @@ void try_at(const ImageView& image, int x, int y, const Template& t, Best& best)
   if (squared >= (best.score + 1) * spread) best = {x, y, squared / spread};
 }
 
+/// The columns of row `y` that lie in the window, a pixel more on either side.
+bool row_in_window(const PatchWindow& window, int y, int& first, int& last) {
+  const float dv = static_cast<float>(y) - window.centre.y();
+  const float slope = window.i01 * dv;
+  const float square = slope * slope - window.i00 * (window.i11 * dv * dv - window.gate);
+  if (!(square >= 0.0F)) return false;
+  const float reach = sqrt(square) / window.i00;
+  const float middle = window.centre.x() - slope / window.i00;
+  first = round_to_int(middle - reach - 1.0F);
+  last = round_to_int(middle + reach + 1.0F);
+  return true;
+}
+
+bool fits(const ImageView& image, int x, int y) {
+  return x >= kMargin && y >= kMargin && x < image.width - kMargin && y < image.height - kMargin;
+}
+
+/// The best of every second pixel of every second row of the window.
+Best search_coarsely(const ImageView& image, const PatchWindow& window, const Template& t) {
+  const int u = round_to_int(window.centre.x());
+  const int v = round_to_int(window.centre.y());
+  Best best;
+  int tried = 0;
+  for (int y = v - window.half_y; y <= v + window.half_y; y += 2) {
+    int first = 0;
+    int last = 0;
+    if (!row_in_window(window, y, first, last)) continue;
+    int x = u - window.half_x;
+    if (first > x) x += (first - x) & ~1;
+    if (last > u + window.half_x) last = u + window.half_x;
+    for (; x <= last && tried < window.places; x += 2) {
+      if (!window.contains(static_cast<float>(x), static_cast<float>(y))) continue;
+      if (!fits(image, x, y)) continue;
+      ++tried;
+      try_at<2>(image, x, y, t, best);
+    }
+  }
+  return best;
+}
+
+int half_window(float gate, float variance, int limit) {
+  return clamp(round_to_int(sqrt(gate * variance) + 0.5F), 2, limit);
+}
+
 }  // namespace
+
+bool make_patch_window(const PixelPrediction<float>& prediction,
+                       const PatchSearchParameters& parameters, PatchWindow& window) {
+  const Matrix2<float>& s = prediction.covariance;
+  if (!invert_spd2(s(0, 0), s(0, 1), s(1, 1), window.i00, window.i01, window.i11)) return false;
+  const int limit = parameters.max_half_window_px;
+  window.centre = prediction.pixel;
+  window.gate = parameters.gate;
+  window.half_x = half_window(window.gate, s(0, 0), limit);
+  window.half_y = half_window(window.gate, s(1, 1), limit);
+  window.places = (window.half_x + 1) * (window.half_y + 1);
+  if (window.places <= PatchSearchParameters::kMaxPlaces) return true;
+  constexpr float kPlacesPerArea = 0.25F * kPi<float>;
+  constexpr float kMost = static_cast<float>(PatchSearchParameters::kMaxPlaces);
+  const float area = sqrt(s(0, 0) * s(1, 1) - s(0, 1) * s(0, 1));
+  const auto along_border = static_cast<float>(window.half_x + window.half_y);
+  const float places = kPlacesPerArea * area * window.gate + along_border;
+  if (places <= kMost) {
+    window.places = static_cast<int>(places);
+    return true;
+  }
+  window.places = PatchSearchParameters::kMaxPlaces;
+  window.gate *= kMost / places;
+  window.half_x = half_window(window.gate, s(0, 0), limit);
+  window.half_y = half_window(window.gate, s(1, 1), limit);
+  return true;
+}
+
+int patch_search_work(const PixelPrediction<float>& prediction,
+                      const PatchSearchParameters& parameters) {
+  constexpr int kItself = 8 + work::kAlignment;
+  constexpr int kPlacesPerUnit = 3;
+  PatchWindow window;
+  if (!make_patch_window(prediction, parameters, window)) return work::kPatchWindow;
+  return kItself + window.places / kPlacesPerUnit;
+}
 
 Status search_patch(const ImageView& image, const PixelPrediction<float>& prediction,
                     const Patch& patch, const PatchWarp& warp,
                     const PatchSearchParameters& parameters, Vector2<float>& pixel) {
-  const Matrix2<float>& s = prediction.covariance;
-  float i00 = 0.0F;
-  float i01 = 0.0F;
-  float i11 = 0.0F;
-  if (!invert_spd2(s(0, 0), s(0, 1), s(1, 1), i00, i01, i11)) return Status::kSingular;
-  const auto inside = [&](float u, float v) {
-    const float du = u - prediction.pixel.x();
-    const float dv = v - prediction.pixel.y();
-    return du * du * i00 + 2.0F * du * dv * i01 + dv * dv * i11 <= parameters.gate;
-  };
+  PatchWindow window;
+  if (!make_patch_window(prediction, parameters, window)) return Status::kSingular;
   Template t;
   if (!make_template(patch, warp, t)) return Status::kDegenerate;
 
-  constexpr int kLimit = PatchSearchParameters::kMaxHalfWindow;
-  const int half_x = clamp(round_to_int(sqrt(parameters.gate * s(0, 0)) + 0.5F), 2, kLimit);
-  const int half_y = clamp(round_to_int(sqrt(parameters.gate * s(1, 1)) + 0.5F), 2, kLimit);
-  const int u = round_to_int(prediction.pixel.x());
-  const int v = round_to_int(prediction.pixel.y());
-  const auto fits = [&image](int x, int y) {
-    return x >= kMargin && y >= kMargin && x < image.width - kMargin && y < image.height - kMargin;
-  };
-  Best coarse;
-  for (int y = v - half_y; y <= v + half_y; y += 2) {
-    for (int x = u - half_x; x <= u + half_x; x += 2) {
-      if (!inside(static_cast<float>(x), static_cast<float>(y)) || !fits(x, y)) continue;
-      try_at<2>(image, x, y, t, coarse);
-    }
-  }
+  const Best coarse = search_coarsely(image, window, t);
   if (coarse.score == 0) return Status::kNotFound;
   Best best;
   for (int y = coarse.y - 1; y <= coarse.y + 1; ++y) {
     for (int x = coarse.x - 1; x <= coarse.x + 1; ++x) {
-      if (!fits(x, y)) continue;
+      if (!fits(image, x, y)) continue;
       try_at<1>(image, x, y, t, best);
     }
   }
@@ -202,7 +261,7 @@ Status search_patch(const ImageView& image, const PixelPrediction<float>& predic
   if (!ok(align_patch(image, patch, warp, x_q8, y_q8, alignment))) return Status::kNotFound;
   const Vector2<float> found(static_cast<float>(x_q8) / 256.0F, static_cast<float>(y_q8) / 256.0F);
   if (!alignment.converged || alignment.correlation < parameters.min_aligned_q10 ||
-      !inside(found.x(), found.y())) {
+      !window.contains(found.x(), found.y())) {
     return Status::kNotFound;
   }
   pixel = found;

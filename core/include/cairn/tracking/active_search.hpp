@@ -68,7 +68,8 @@ inline constexpr int kLandmarkSearch =
 }  // namespace work
 
 /// The same for one prediction and its window. Cost: two square roots.
-int most_search_work(const PixelPrediction<float>& prediction, const SearchParameters& parameters);
+int most_search_work(const PixelPrediction<float>& prediction, const Appearance& appearance,
+                     const SearchParameters& parameters);
 
 /// Widest window row, plus the border FAST needs.
 using SearchScratch = FastScratch<2 * SearchParameters::kMaxHalfWindow + 8>;

@@ -75,7 +75,8 @@ void search_landmarks(const ImageView& image, const Filter& filter, SearchPass p
   plan_searches(filter, pass, landmarks, plan);
   int work_of_all = 0;
   for (PlannedSearch& entry : plan) {
-    entry.most_work = most_search_work(entry.prediction, parameters);
+    const TrackedLandmark* landmark = landmarks.find(entry.prediction.id);
+    entry.most_work = most_search_work(entry.prediction, landmark->appearance, parameters);
     work_of_all += entry.most_work;
   }
   const bool backwards = when_cut == SearchOrder::kBestKnown && !budget.affords(work_of_all);

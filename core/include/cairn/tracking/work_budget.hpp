@@ -34,6 +34,7 @@ namespace work {
 
 inline constexpr int kDescriptor = 17;  ///< describe_freak() and a comparison
 inline constexpr int kAlignment = 46;   ///< align_patch(), template included
+inline constexpr int kPatchWindow = 6;  ///< make_patch_window()
 inline constexpr int kProjection = 4;   ///< of a landmark, with its innovation covariance
 inline constexpr int kAppearance = 24;  ///< make_appearance()
 
