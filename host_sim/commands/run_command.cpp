@@ -62,6 +62,14 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember({"s1", "base"}))
       ->capture_default_str();
   command
+      .add_option("--odometry-noise-speed", options.speed_sigma_mps,
+                  "Standard deviation of the speed in a video's odometry, m/s a sample")
+      ->check(above_zero());
+  command
+      .add_option("--odometry-noise-yaw-rate", options.yaw_rate_sigma_radps,
+                  "Standard deviation of the yaw rate in a video's odometry, rad/s a sample")
+      ->check(above_zero());
+  command
       .add_option("--suspension", options.suspension,
                   "Vehicle: how its body pitches and rolls; by default as the source says")
       ->check(CLI::IsMember({"flat", "car", "rover"}));

@@ -63,7 +63,8 @@ const std::vector<RunKind>& run_kinds() {
   static const Names hall = joined(picture_options(), {"--odometry-noise", "--uneven-floor"});
   static const Names stress(picture_options().begin() + 1, picture_options().end());
   static const Names video =
-      joined(picture_options(), {"--camera", "--odometry", "--times", "--truth"});
+      joined(picture_options(), {"--camera", "--odometry", "--times", "--truth",
+                                 "--odometry-noise-speed", "--odometry-noise-yaw-rate"});
   static const Names landmarks = {"--budget-ms", "--start-heading-variance",
                                   "--start-position-variance"};
   static const std::vector<RunKind> kinds = {

@@ -41,6 +41,8 @@ struct RunOptions {
   std::string overlay = "wireframe";  ///< or shaded
   std::filesystem::path record;       ///< input log to write; empty: none
   std::string odometry_noise = "s1";
+  std::optional<double> speed_sigma_mps;       ///< of a video's odometry
+  std::optional<double> yaw_rate_sigma_radps;  ///< same
   std::optional<double> start_heading_variance;
   std::optional<double> start_position_variance;
   std::string suspension;  ///< flat, car, rover; empty: the source's own

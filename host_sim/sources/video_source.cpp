@@ -111,11 +111,21 @@ class VideoSource final : public FrameSource {
     info_.inputs.push_back(options_.truth);
   }
 
+  OdometryModel with_noise(OdometryModel model) const {
+    if (options_.speed_sigma_mps) model.speed_sigma_mps = *options_.speed_sigma_mps;
+    if (!options_.yaw_rate_sigma_radps) return model;
+    if (model.kind != OdometrySample::Kind::kTwist) {
+      throw UsageError("--odometry-noise-yaw-rate: the odometry has a steering angle instead");
+    }
+    model.turn_sigma = *options_.yaw_rate_sigma_radps;
+    return model;
+  }
+
   void take_odometry(const std::optional<TimeSpan>& span) {
     odometry_ = read_odometry(options_.odometry);
     check_recording(options_.odometry, "the odometry", times_of(odometry_.samples),
                     kMostOdometryStep_us, span);
-    info_.odometry = odometry_.model;
+    info_.odometry = with_noise(odometry_.model);
     info_.inputs.push_back(options_.odometry);
     info_.tilt = camera_.tilt.value_or(TiltParameters<double>::car());
     info_.T_vehicle_camera = camera_.T_vehicle_camera.value_or(default_mounting());

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "host_sim/sources/frame_source.hpp"
 #include "host_sim/sources/image_sequence.hpp"
@@ -15,14 +16,17 @@ struct VideoOptions {
   std::filesystem::path times;     ///< CSV, optional
   std::filesystem::path truth;     ///< TUM, optional: camera poses
   FrameRange range;
+  std::optional<double> speed_sigma_mps;       ///< of an odometry sample; absent: as for any wheels
+  std::optional<double> yaw_rate_sigma_radps;  ///< same; only for odometry with a yaw rate
 };
 
 /// A video of your own. Times come from `times`, else from the pictures' names or the video's
 /// container, else 30 Hz. docs/reference/command-line.md describes the files and what is checked.
 ///
 /// Throws InputError naming the file for an input that is invalid, that does not fit the camera, or
-/// that is not of the frames' time; UsageError without a camera. Recordings that cover a part of
-/// the frames, and a video that ends early, are told by info().warnings and info().damaged.
+/// that is not of the frames' time; UsageError without a camera, and for a noise of what the
+/// odometry does not have. Recordings that cover a part of the frames, and a video that ends early,
+/// are told by info().warnings and info().damaged.
 std::unique_ptr<FrameSource> make_video_source(const VideoOptions& options);
 
 }  // namespace cairn::host
