@@ -19,6 +19,14 @@ inline const char* to_string(TrackingState state) {
   }
 }
 
+/// Name of a reason for which a frame was not tracked, for files.
+inline const char* to_string(NotTracked reason) {
+  constexpr const char* kNames[kNotTrackedCount] = {"tracked",  "no_odometry", "no_new_image",
+                                                    "no_work",  "no_corners",  "seeds_lost",
+                                                    "no_depth", "not_found",   "no_consensus"};
+  return kNames[static_cast<int>(reason)];
+}
+
 /// A row of paper A's Table 1: its key in files, its name there, and its time on the paper's
 /// desktop PC.
 struct StageRow {

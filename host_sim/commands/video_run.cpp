@@ -156,6 +156,9 @@ void print_summary(const nlohmann::json& summary) {
   fmt::print("\nframes {}   tracked {}   lost {}   relocalised {}\n", summary["frames"].get<int>(),
              summary["tracked"].get<int>(), summary["lost"].get<int>(),
              summary["relocalised"].get<int>());
+  for (const auto& [reason, frames] : summary["not_tracked"].items()) {
+    fmt::print("not tracked: {} {}\n", reason, frames.get<int>());
+  }
   const nlohmann::json& trajectory = summary["trajectory"];
   if (!trajectory["aligned"].is_null()) {
     fmt::print("trajectory error {} (aligned: {})   rotation {}\n",
@@ -312,9 +315,13 @@ ExitCode run_tum_rgbd(const RunOptions& options, const std::string& folder) {
 }
 
 ExitCode run_video(const RunOptions& options, const std::string& media) {
-  return run_source(make_video_source({media, options.camera, options.odometry, options.times,
-                                       options.truth, range_of(options)}),
-                    options);
+  if (options.odometry.empty() && (options.speed_sigma_mps || options.yaw_rate_sigma_radps)) {
+    throw UsageError("--odometry-noise-speed, --odometry-noise-yaw-rate: only with --odometry");
+  }
+  return run_source(
+      make_video_source({media, options.camera, options.odometry, options.times, options.truth,
+                         range_of(options), options.speed_sigma_mps, options.yaw_rate_sigma_radps}),
+      options);
 }
 
 }  // namespace cairn::host

@@ -231,13 +231,25 @@ json reuse_json(const RunRecord& record) {
           {"landmarks", landmarks.size()}};
 }
 
+/// Frames that were not tracked, by reason.
+json not_tracked_json(const RunRecord& record) {
+  json reasons = json::object();
+  for (const FrameRecord& frame : record.frames) {
+    const NotTracked reason = frame.report.not_tracked;
+    if (reason == NotTracked::kTracked) continue;
+    json& count = reasons[to_string(reason)];
+    count = count.is_null() ? 1 : count.get<int>() + 1;
+  }
+  return reasons;
+}
+
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                const RegistrationResult& registration, double budget_ms) {
   int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
   std::vector<double> totals;
   std::vector<double> stages[kStageCount];
   for (const FrameRecord& frame : record.frames) {
-    tracked += frame.has_pose() ? 1 : 0;
+    tracked += frame.is_measured() ? 1 : 0;
     lost += frame.report.state == TrackingState::kLost ? 1 : 0;
     relocalised += frame.report.relocalised ? 1 : 0;
     added += frame.report.added;
@@ -256,6 +268,7 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
       static_cast<std::size_t>(record.frames.empty() ? 0 : record.frames.back().report.landmarks);
   return {{"frames", record.frames.size()},
           {"tracked", tracked},
+          {"not_tracked", not_tracked_json(record)},
           {"lost", lost},
           {"relocalised", relocalised},
           {"latency_ms", latency},

@@ -28,6 +28,8 @@ struct FrameRecord {
   bool has_pose() const {
     return report.state == TrackingState::kTracking || report.state == TrackingState::kUncertain;
   }
+  /// Whether the image determined the pose.
+  bool is_measured() const { return has_pose() && report.not_tracked == NotTracked::kTracked; }
 };
 
 struct RunRecord {

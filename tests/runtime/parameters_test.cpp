@@ -68,7 +68,7 @@ TEST_F(ParametersOfAVehicle, OfItsPartsArePossible) {
   EXPECT_TRUE(refuses([](Parameters& p) { p.measurement.max_searches = -1; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.monitor.min_match_ratio = kNaN; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.monitor.min_inliers = 0; }));
-  EXPECT_TRUE(refuses([](Parameters& p) { p.local_map.supply.min_distance_px = 1 << 20; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.local_map.supply.min_distance_share = 1.5F; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.local_map.seeds.sigma_px = 0.0F; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.map_reuse.archive.mature_sightings = 0; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.map_reuse.archive.drift.position_m = kNaN; }));

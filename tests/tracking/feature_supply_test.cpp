@@ -20,7 +20,10 @@ class SupplyOfFeatures : public ::testing::Test {
   static constexpr int kCell = 40;
 
   SupplyOfFeatures() : pixels_(kWidth * kHeight, 60) {
-    parameters_.margin_px = 8;
+    parameters_.min_margin_px = 8;
+    parameters_.margin_share = 0.0F;
+    parameters_.min_distance_share = 14.5F / kHeight;
+    parameters_.few_points = 0;
     supply_.begin(kWidth, kHeight);
   }
   /// Brightest in its middle: one corner, not several as good as each other.
@@ -115,7 +118,7 @@ TEST_F(SupplyOfFeatures, KeepsItsDistanceAcrossCells) {
 
 TEST_F(SupplyOfFeatures, KeepsOutOfTheMargin) {
   put_dot_in_every_cell();
-  parameters_.margin_px = 48;
+  parameters_.min_margin_px = 48;
   parameters_.cells_per_frame = Supply::kCells;
   const std::vector<Corner> corners = find(Supply::kCells);
   EXPECT_FALSE(corners.empty());
@@ -135,6 +138,53 @@ TEST_F(SupplyOfFeatures, EndsWhereTheWorkDoes) {
   WorkBudget none(supply_.cell_work() - 1);
   EXPECT_TRUE(find(8, none).empty());
   EXPECT_EQ(none.spent(), 0);
+}
+
+TEST_F(SupplyOfFeatures, KeepsAMarginThatGrowsWithThePicture) {
+  put_dot_in_every_cell();
+  parameters_.margin_share = 0.2F;
+  parameters_.cells_per_frame = Supply::kCells;
+  const std::vector<Corner> corners = find(Supply::kCells);
+  EXPECT_FALSE(corners.empty());
+  for (const Corner& corner : corners) {
+    EXPECT_GE(corner.y, kHeight / 5);
+    EXPECT_LT(corner.y, kHeight - kHeight / 5);
+  }
+}
+
+/// Dots of a tenth of the contrast: dim to the nominal threshold.
+TEST_F(SupplyOfFeatures, LowersTheThresholdWhereThereAreFewCorners) {
+  put_dot_in_every_cell();
+  for (std::uint8_t& pixel : pixels_) pixel = static_cast<std::uint8_t>(60 + (pixel - 60) / 10);
+  parameters_.few_points = 12;
+  EXPECT_TRUE(find(8).empty());
+  for (int frame = 0; frame < 8; ++frame) {
+    supply_.begin(kWidth, kHeight);
+    static_cast<void>(find(8));
+  }
+  supply_.begin(kWidth, kHeight);
+  EXPECT_EQ(find(8).size(), 8U);
+  EXPECT_GE(supply_.threshold(), parameters_.lowest_threshold);
+}
+
+TEST_F(SupplyOfFeatures, RaisesTheThresholdToItsNominalValueAgain) {
+  parameters_.few_points = 12;
+  for (int frame = 0; frame < 8; ++frame) static_cast<void>(find(8));
+  EXPECT_EQ(supply_.threshold(), parameters_.lowest_threshold);
+  put_dot_in_every_cell();
+  for (int frame = 0; frame < 16; ++frame) {
+    supply_.begin(kWidth, kHeight);
+    EXPECT_EQ(find(8).size(), 8U);
+  }
+  EXPECT_EQ(supply_.threshold(), parameters_.fast_threshold);
+}
+
+/// A plain wall in a picture with enough landmarks says nothing about the light.
+TEST_F(SupplyOfFeatures, KeepsTheThresholdWhileEnoughLandmarksAreInView) {
+  parameters_.few_points = 12;
+  for (int k = 0; k < 12; ++k) supply_.occupy(10.0F + 20.0F * static_cast<float>(k), 20.0F);
+  for (int frame = 0; frame < 8; ++frame) EXPECT_TRUE(find(8).empty());
+  EXPECT_EQ(supply_.threshold(), parameters_.fast_threshold);
 }
 
 TEST_F(SupplyOfFeatures, IgnoresPlacesOutsideTheImage) {

@@ -26,7 +26,7 @@ class SeedDepth : public ::testing::Test {
     ASSERT_TRUE(ok(detect_fast(test::view(image, camera_), {60, 60, 260, 180}, 40, scratch, corners,
                                64, report)));
     pool_.follow(test::view(image, camera_), test::to_float(camera_), Rigid<float>{}, parameters_,
-                 scratch_, unlimited_);
+                 unlimited_);
     ASSERT_TRUE(ok(pool_.begin_keyframe(kKeyframe)));
     for (int i = 0; i < report.found - report.dropped && !pool_.full(); i += 3) {
       static_cast<void>(pool_.add(test::view(image, camera_), test::to_float(camera_), corners[i].x,
@@ -38,7 +38,6 @@ class SeedDepth : public ::testing::Test {
   PinholeCamera<double> camera_ = test::small_camera();
   PlaneScene scene_{kDepth};
   Pool pool_;
-  SearchScratch scratch_;
   WorkBudget unlimited_;
   Pool::Parameters parameters_;
 };
@@ -52,7 +51,7 @@ TEST_F(SeedDepth, IsFoundBySidewaysMotion) {
     const Rigid<double> T{Quaternion<double>::Identity(), {0.05 * k, 0, 0}};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
-                 parameters_, scratch_, unlimited_);
+                 parameters_, unlimited_);
     ConvergedSeed converged;
     while (pool_.take_converged(test::to_float(camera_), parameters_, converged)) {
       ++landmarks;
@@ -72,7 +71,7 @@ TEST_F(SeedDepth, StaysUnknownUnderPureRotation) {
     const Rigid<double> T{rotation_exp(Vector3<double>(0, 0.01 * k, 0)), {0, 0, 0}};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
-                 parameters_, scratch_, unlimited_);
+                 parameters_, unlimited_);
     ConvergedSeed converged;
     EXPECT_FALSE(pool_.take_converged(test::to_float(camera_), parameters_, converged));
   }
@@ -90,7 +89,7 @@ TEST_F(SeedDepth, IsSeparatedFromAnUnreportedTurn) {
     const Rigid<double> reported{rotation_exp(Vector3<double>(0, turn, 0)), T.translation};
     const auto image = scene_.render(camera_, T);
     pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(reported),
-                 parameters_, scratch_, unlimited_);
+                 parameters_, unlimited_);
     ConvergedSeed converged;
     while (pool_.take_converged(test::to_float(camera_), parameters_, converged)) {
       ++landmarks;
@@ -98,6 +97,56 @@ TEST_F(SeedDepth, IsSeparatedFromAnUnreportedTurn) {
     }
   }
   EXPECT_GE(landmarks, 3);
+}
+
+/// A car's pitch from one frame to the next moves the picture by several pixels.
+TEST_F(SeedDepth, IsFoundWhileTheCameraPitches) {
+  start();
+  const int started = pool_.size();
+  int landmarks = 0;
+  parameters_.sigma_pitch_rad = 0.012F;
+  parameters_.search.gate = parameters_.gate = 18.42F;
+  for (int k = 1; k <= 10; ++k) {
+    const double pitch = 0.012 * ((k % 4) - 1.5);
+    const Rigid<double> reported{Quaternion<double>::Identity(), {0.05 * k, 0, 0}};
+    const Rigid<double> T{rotation_exp(Vector3<double>(pitch, 0, 0)), reported.translation};
+    const auto image = scene_.render(camera_, T);
+    pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(reported),
+                 parameters_, unlimited_);
+    EXPECT_GE(10 * pool_.found(), 9 * pool_.size());
+    ConvergedSeed converged;
+    while (pool_.take_converged(test::to_float(camera_), parameters_, converged)) {
+      ++landmarks;
+      EXPECT_NEAR(converged.depth_m, kDepth, 3.0 * static_cast<double>(converged.sigma_depth_m));
+    }
+  }
+  EXPECT_GE(landmarks * 2, started);
+}
+
+/// The caller's roll is not estimated, but known to be uncertain.
+TEST_F(SeedDepth, AllowsForAnUncertainRoll) {
+  start();
+  parameters_.sigma_roll_rad = 0.02F;
+  parameters_.search.gate = 18.42F;
+  const Rigid<double> T{rotation_exp(Vector3<double>(0, 0, 0.03)), {0, 0, 0}};
+  const auto image = scene_.render(camera_, T);
+  pool_.follow(test::view(image, camera_), test::to_float(camera_), Rigid<float>{}, parameters_,
+               unlimited_);
+  EXPECT_GE(10 * pool_.found(), 8 * pool_.size());
+}
+
+TEST_F(SeedDepth, IsNotLostForAFrameThatCannotPayForItsSearch) {
+  start();
+  const int started = pool_.size();
+  const auto image = scene_.render(camera_, Rigid<double>{});
+  for (int k = 0; k < 6; ++k) {
+    WorkBudget little(pool_.work_to_follow());
+    EXPECT_EQ(pool_.follow(test::view(image, camera_), test::to_float(camera_), Rigid<float>{},
+                           parameters_, little),
+              0);
+    EXPECT_GE(little.left(), 0);
+  }
+  EXPECT_EQ(pool_.size(), started);
 }
 
 TEST_F(SeedDepth, IsForgottenWithItsKeyframe) {
@@ -119,7 +168,7 @@ TEST_F(SeedDepth, LostSeedsAreDropped) {
   int dropped = 0;
   for (int k = 0; k < 4; ++k) {
     dropped += pool_.follow(test::view(other, camera_), test::to_float(camera_), Rigid<float>{},
-                            parameters_, scratch_, unlimited_);
+                            parameters_, unlimited_);
   }
   // One in ten may look alike by chance: what they are not is lost in silence.
   EXPECT_EQ(dropped + pool_.size(), started);

@@ -19,6 +19,8 @@ MeasurementCounts without_search() {
   return none;
 }
 
+constexpr float kFrame_s = 0.0333F;
+
 class AMonitor : public ::testing::Test {
  protected:
   void judge(const MeasurementCounts& frame, Status status = Status::kOk) {
@@ -35,6 +37,7 @@ class AVehicleThatTracks : public AMonitor {
  protected:
   AVehicleThatTracks() {
     monitor_.reset({});
+    monitor_.begin_frame(kFrame_s);
     for (int k = 0; k < 100; ++k) judge(counts(40, 32, 30));
   }
 };
@@ -53,12 +56,14 @@ TEST_F(AVehicleThatTracks, AsksForMoreMatchesAfterWeakFrames) {
   EXPECT_TRUE(monitor_.enough_matches(counts(40, 12)));
   EXPECT_FALSE(monitor_.enough_matches(counts(10, 5)));
   EXPECT_TRUE(monitor_.enough_matches(counts(10, 6)));
+  EXPECT_TRUE(monitor_.enough_matches(counts(6, 5))) << "nearly all of a thin map";
+  EXPECT_FALSE(monitor_.enough_matches(counts(3, 3)));
 }
 
 TEST_F(AVehicleThatTracks, IsUncertainAfterFramesThatDidNotComeButNotLost) {
   monitor_.note_blind_frames(1000);
   EXPECT_EQ(monitor_.state(), TrackingState::kUncertain);
-  EXPECT_EQ(monitor_.weak_frames(), 60);
+  EXPECT_EQ(monitor_.weak_frames(), 1000);
   EXPECT_FALSE(monitor_.enough_matches(counts(40, 11)));
   judge(counts(40, 32, 30));
   EXPECT_EQ(monitor_.state(), TrackingState::kTracking);
@@ -91,6 +96,16 @@ TEST_F(AVehicleThatTracks, IsLostAfterSixtyWeakFramesAndOnce) {
   EXPECT_EQ(status_, Status::kOk);
   EXPECT_EQ(monitor_.state(), TrackingState::kTracking);
   EXPECT_EQ(monitor_.weak_frames(), 0);
+}
+
+TEST_F(AVehicleThatTracks, IsLostAfterTheSameTimeAtAnyFrameRate) {
+  monitor_.begin_frame(0.1F);
+  for (int k = 0; k < 19; ++k) {
+    judge(counts(40, 3, 3));
+    EXPECT_EQ(monitor_.state(), TrackingState::kUncertain);
+  }
+  for (int k = 0; k < 3; ++k) judge(counts(40, 3, 3));
+  EXPECT_EQ(monitor_.state(), TrackingState::kLost);
 }
 
 TEST_F(AVehicleThatTracks, CountsNoFrameThatCouldNotSearch) {

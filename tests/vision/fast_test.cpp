@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "cairn/numeric/random.hpp"
-#include "cairn/vision/threshold_controller.hpp"
 
 #include "grey_image.hpp"
 
@@ -161,41 +160,6 @@ TEST(Fast, CellsKeepTheirOwnBest) {
     kept += static_cast<int>(best.size());
   }
   EXPECT_EQ(report.dropped, report.found - kept);
-}
-
-TEST(ThresholdController, HoldsTheCornerCount) {
-  // The contrast of the scene grows, then falls again.
-  ThresholdController controller(150);
-  Random random(9);
-  int settled = 0;
-  for (int frame = 0; frame < 120; ++frame) {
-    const int contrast = frame < 40 ? 60 : frame < 80 ? 150 : 90;
-    test::GreyImage image{160, 120, {}};
-    for (int i = 0; i < 160 * 120; ++i) {
-      image.pixels.push_back(static_cast<std::uint8_t>(50 + random.below(contrast)));
-    }
-    const Detection d = detect(image, image.whole(), controller.threshold(), 5000);
-    if (frame % 40 >= 20) {
-      EXPECT_GT(d.report.found, 75) << frame;
-      EXPECT_LT(d.report.found, 300) << frame;
-      ++settled;
-    }
-    controller.update(d.report.found);
-  }
-  EXPECT_EQ(settled, 60);
-}
-
-TEST(ThresholdController, StaysInsideItsLimits) {
-  ThresholdController controller(100, 300, 7, 90);
-  EXPECT_EQ(controller.threshold(), 90);
-  for (int i = 0; i < 60; ++i) controller.update(0);
-  EXPECT_EQ(controller.threshold(), 7);
-  for (int i = 0; i < 60; ++i) controller.update(2000000000);
-  EXPECT_EQ(controller.threshold(), 90);
-  controller.update(100);
-  EXPECT_EQ(controller.threshold(), 90);
-  controller.update(-5);
-  EXPECT_LT(controller.threshold(), 90);
 }
 
 }  // namespace

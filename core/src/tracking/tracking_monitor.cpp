@@ -10,7 +10,9 @@ bool TrackingMonitor::enough_matches(const MeasurementCounts& counts) const {
   if (static_cast<float>(counts.matches) < least * static_cast<float>(counts.searched)) {
     return false;
   }
-  return !returning || counts.matches >= parameters_.min_return_matches;
+  const bool nearly_all =
+      4 * counts.matches >= 3 * counts.searched && counts.matches >= parameters_.min_inliers;
+  return !returning || nearly_all || counts.matches >= parameters_.min_return_matches;
 }
 
 /// Another place with the same texture (tiles, shelves) can agree with a fifth of the map. Fewer
@@ -41,6 +43,7 @@ bool TrackingMonitor::confirms_place(int found, int expected) const {
 Status TrackingMonitor::judge(const MeasurementCounts& counts, Status status, Health& health) {
   if (holds(counts)) {
     weak_frames_ = 0;
+    weak_s_ = 0.0F;
     if (probation_ > 0) --probation_;
     state_ = probation_ > 0 ? TrackingState::kUncertain : TrackingState::kTracking;
     update_mean(counts);
@@ -56,9 +59,12 @@ Status TrackingMonitor::judge(const MeasurementCounts& counts, Status status, He
 
 /// A frame that could not search says nothing about the map.
 void TrackingMonitor::note_weak_frame(bool could_search, Health& health) {
-  if (could_search) ++weak_frames_;
+  if (could_search) {
+    ++weak_frames_;
+    weak_s_ += step_s_;
+  }
   const bool refuted = probation_ > 0 && could_search;
-  const bool lost = refuted || weak_frames_ > parameters_.uncertain_frames_to_lost;
+  const bool lost = refuted || weak_s_ > parameters_.uncertain_s_to_lost;
   if (lost && state_ != TrackingState::kLost) {
     ++(probation_ > 0 ? health.false_relocalisations_refused : health.losses);
     probation_ = 0;
@@ -67,25 +73,32 @@ void TrackingMonitor::note_weak_frame(bool could_search, Health& health) {
 }
 
 void TrackingMonitor::note_blind_frames(int frames) {
+  constexpr int kMost = 1000;
   if (frames <= 0 || state_ == TrackingState::kInitialising) return;
-  const int most = parameters_.uncertain_frames_to_lost - weak_frames_;
+  const int most = kMost - weak_frames_;
   if (most > 0) weak_frames_ += frames < most ? frames : most;
+  const float left_s = parameters_.uncertain_s_to_lost - weak_s_;
+  const float blind_s = static_cast<float>(frames) * step_s_;
+  if (left_s > 0.0F) weak_s_ += blind_s < left_s ? blind_s : left_s;
   if (state_ == TrackingState::kTracking) state_ = TrackingState::kUncertain;
 }
 
 void TrackingMonitor::begin_probation() {
   weak_frames_ = 0;
+  weak_s_ = 0.0F;
   probation_ = parameters_.probation_frames;
   state_ = TrackingState::kUncertain;
 }
 
 void TrackingMonitor::restart() {
   weak_frames_ = 0;
+  weak_s_ = 0.0F;
   state_ = TrackingState::kInitialising;
 }
 
 void TrackingMonitor::lose() {
   weak_frames_ = 0;
+  weak_s_ = 0.0F;
   probation_ = 0;
   state_ = TrackingState::kLost;
 }

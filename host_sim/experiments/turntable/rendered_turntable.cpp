@@ -39,7 +39,7 @@ class VideoRun : public TurntableRun<Filter> {
         measurement_(measurement),
         video_(video),
         outliers_(scenario.seed) {
-    if (measurement == Measurement::kPatch) supply_parameters_.margin_px = kPatchMargin;
+    if (measurement == Measurement::kPatch) supply_parameters_.min_margin_px = kPatchMargin;
   }
 
  private:

@@ -60,13 +60,17 @@ class FrameTracker {
       filter.reacquire_after = 0;
       filter.ransac.min_inliers = 2;
       filter.gate = kWideGate;
+      measurement.search.method = SearchMethod::kPatch;
       measurement.search.gate = kWideGate;
+      measurement.search.patch.gate = kWideGate;
+      local_map.seeds.gate = kWideGate;
+      measurement.search.patch.max_half_window_px = PatchSearchParameters::kMaxHalfWindow;
       measurement.max_searches = 40;
     }
 
     PlanarParameters<float> filter;
     OdometryNoise odometry;
-    float sigma_px = 0.5F;
+    float sigma_px = 0.75F;
     FloorParameters floor;
     typename Measurement::Parameters measurement;
     TrackingMonitor::Parameters monitor;
@@ -159,7 +163,9 @@ class FrameTracker {
   void note_matches(Frame& frame, const typename Measurement::Matches& matches);
   void note_inlier(Frame& frame, const PixelMatch<float>& match);
   void report(Status status, FrameReport& report);
+  NotTracked why_not_tracked(Status status) const;
   int planned_searches() const;
+  bool relocalises() const;
   VehicleMotion motion() const;
 
   Estimate estimate_;
@@ -176,6 +182,7 @@ class FrameTracker {
   Health health_;
   VehicleScratch<Config> scratch_;
   float frame_step_s_ = 0.0F;
+  bool thin_map_ = false;  ///< the last frame was weak for want of landmarks in view
 };
 
 }  // namespace cairn

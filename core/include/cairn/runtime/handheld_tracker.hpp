@@ -49,7 +49,7 @@ class HandheldTracker {
       filter.sigma_px = 0.7F;
       filter.max_triples = 16;
       monitor.min_inliers = 6;
-      monitor.uncertain_frames_to_lost = 10;
+      monitor.uncertain_s_to_lost = 0.34F;
       monitor.min_match_ratio = 0.0F;
       monitor.probation_frames = 10;
     }

@@ -38,6 +38,7 @@ class DepthFilter {
     Matrix2<float> by_camera;
     Matrix2<float> by_keyframe;
     Vector2<float> by_depth;
+    Vector2<float> unmodelled = Vector2<float>::Zero();  ///< one sigma of what is not estimated
   };
 
   void clear() {
@@ -90,6 +91,7 @@ class DepthFilter {
     Vector2<float> h[kTerms];
     terms(residual, index, h);
     Matrix2<float> s = square(sigma_px) * Matrix2<float>::Identity();
+    s += residual.unmodelled * residual.unmodelled.transpose();
     for (int a = 0; a < kTerms; ++a) {
       for (int b = 0; b < kTerms; ++b) s += P_(index[a], index[b]) * (h[a] * h[b].transpose());
     }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/base/fixed_vector.hpp"
+#include "cairn/numeric/math.hpp"
 #include "cairn/tracking/frame_context.hpp"
 #include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/fast.hpp"
@@ -24,16 +25,20 @@ class FeatureSupply {
 
   struct Parameters {
     int fast_threshold = 20;
-    int min_score = 25;
-    int min_distance_px = 14;  ///< to the nearest known landmark
-    int cells_per_frame = 12;  ///< searched at most
-    int margin_px = 40;        ///< to the image border
+    int min_score = 25;                ///< falls with the threshold
+    int lowest_threshold = 6;          ///< of a picture with few corners
+    int few_points = 12;               ///< known or found in a picture: fewer lower the threshold
+    int cells_per_frame = 12;          ///< searched at most
+    int min_margin_px = 29;            ///< to the image border: what a descriptor needs
+    float margin_share = 0.084F;       ///< same, of the image height
+    float min_distance_share = 0.03F;  ///< to the nearest known landmark, of the image height
 
     /// kBadConfig unless every value is finite and in its domain.
     Status validate() const {
-      const bool good = fast_threshold >= 1 && fast_threshold <= 254 && min_score >= 0 &&
-                        min_distance_px >= 0 && min_distance_px <= 4096 && cells_per_frame >= 0 &&
-                        margin_px >= 0 && margin_px <= 4096;
+      const bool good = fast_threshold >= 1 && fast_threshold <= 254 && lowest_threshold >= 1 &&
+                        lowest_threshold <= fast_threshold && few_points >= 0 && min_score >= 0 &&
+                        cells_per_frame >= 0 && min_margin_px >= 0 && min_margin_px <= 4096 &&
+                        is_share(margin_share) && is_share(min_distance_share);
       return good ? Status::kOk : Status::kBadConfig;
     }
   };
@@ -45,6 +50,7 @@ class FeatureSupply {
 
   /// Starts a frame: no pixel is occupied.
   void begin(int width, int height) {
+    height_ = height;
     cell_width_ = (width + kColumns - 1) / kColumns;
     cell_height_ = (height + kRows - 1) / kRows;
     for (int& count : counts_) count = 0;
@@ -64,9 +70,13 @@ class FeatureSupply {
   }
 
   /// Up to `wanted` corners of empty cells into `corners`, as far as `budget` goes; returns how
-  /// many. Cost: cells_per_frame FAST windows of one cell.
+  /// many. Where the picture has few corners the threshold falls from frame to frame, and it
+  /// returns to its nominal value where there are enough. Cost: cells_per_frame FAST windows of one
+  /// cell.
   int find(const ImageView& image, const Parameters& parameters, int wanted, Scratch& scratch,
            Corner* corners, Report& report, WorkBudget& budget) {
+    if (threshold_ == 0) threshold_ = parameters.fast_threshold;
+    const int known = occupied_.size();
     int found = 0;
     for (int step = 0; step < kCells; ++step) {
       if (found >= wanted || report.cells_searched >= parameters.cells_per_frame) break;
@@ -80,8 +90,11 @@ class FeatureSupply {
       corners[found++] = best;
       occupy(best.x, best.y);
     }
+    adapt_threshold(parameters, known, found, found >= wanted);
     return found;
   }
+  /// FAST's threshold in the next frame.
+  int threshold() const { return threshold_; }
 
  private:
   // Coprime to the number of cells: neighbours in time are not neighbours in the image.
@@ -99,28 +112,53 @@ class FeatureSupply {
     return column < kColumns && row < kRows ? row * kColumns + column : -1;
   }
 
+  void adapt_threshold(const Parameters& parameters, int known, int found, bool enough) {
+    if (enough) {
+      threshold_ += threshold_ / 8 + 1;
+    } else if (known + found < parameters.few_points) {
+      threshold_ -= threshold_ / 4;
+    }
+    threshold_ = clamp(threshold_, parameters.lowest_threshold, parameters.fast_threshold);
+  }
+
+  static bool is_share(float value) { return value >= 0.0F && value <= 1.0F; }
+  int share_of_height(float share) const {
+    return static_cast<int>(share * static_cast<float>(height_));
+  }
+  int margin(const Parameters& parameters) const {
+    const int share = share_of_height(parameters.margin_share);
+    return share > parameters.min_margin_px ? share : parameters.min_margin_px;
+  }
+  /// A patch is 15 pixels wide in every picture.
+  int min_distance(const Parameters& parameters) const {
+    constexpr int kHalfPatch_px = 8;
+    const int share = share_of_height(parameters.min_distance_share);
+    return share > kHalfPatch_px ? share : kHalfPatch_px;
+  }
+
   bool best_corner(const ImageView& image, int cell, const Parameters& parameters, Scratch& scratch,
                    Corner& best, Report& report, WorkBudget& budget) const {
     const int x0 = (cell % kColumns) * cell_width_;
     const int y0 = (cell / kColumns) * cell_height_;
-    const int margin = parameters.margin_px;
+    const int margin = this->margin(parameters);
     const Rect rect = intersect({x0, y0, x0 + cell_width_, y0 + cell_height_},
                                 {margin, margin, image.width - margin, image.height - margin});
     if (rect.empty() || rect.width() > kMaxCellWidth) return false;
     Corner corners[kCornersPerCell];
     FastReport fast;
-    if (!ok(detect_fast(image, rect, parameters.fast_threshold, scratch, corners, kCornersPerCell,
-                        fast))) {
+    if (!ok(detect_fast(image, rect, threshold_, scratch, corners, kCornersPerCell, fast))) {
       return false;
     }
     budget.spend(work::fast(rect.width(), rect.height(), fast.candidates));
     report.corners += fast.found;
     report.corners_dropped += fast.dropped;
+    const int min_score = parameters.min_score * threshold_ / parameters.fast_threshold;
+    const int distance = min_distance(parameters);
     bool any = false;
     for (int i = 0; i < fast.found - fast.dropped; ++i) {
       const Corner& c = corners[i];
-      if (c.score < parameters.min_score || (any && c.score <= best.score)) continue;
-      if (!is_clear(c, parameters.min_distance_px)) continue;
+      if (c.score < min_score || (any && c.score <= best.score)) continue;
+      if (!is_clear(c, distance)) continue;
       best = c;
       any = true;
     }
@@ -140,7 +178,9 @@ class FeatureSupply {
   int counts_[kCells] = {};
   int cell_width_ = 1;
   int cell_height_ = 1;
+  int height_ = 1;
   int next_ = 0;
+  int threshold_ = 0;  ///< 0: nominal
 };
 
 /// FeatureSupply::find() within a tracker's frame: its budget and its counters.

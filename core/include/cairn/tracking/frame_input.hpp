@@ -16,6 +16,10 @@ struct FrameStep {
   std::int64_t us = 0;  ///< at most the largest step; 0 for the first frame
   bool gap = false;     ///< longer than the largest step, or of unknown length
   int missed = 0;       ///< frames that should have come in between
+
+  float seconds() const { return static_cast<float>(us) * 1e-6F; }
+  /// What one of the frames in the step stands for.
+  float seconds_of_a_frame() const { return seconds() / static_cast<float>(missed + 1); }
 };
 
 /// Which frames a tracker accepts: images of its camera's size, in the order of their time.

@@ -28,6 +28,21 @@ enum class FrameCut : std::uint8_t {
   kPredictionOnly,  ///< nothing was searched: the pose is predicted only
 };
 
+/// Why a frame did not determine the pose: the first of the chain from odometry to consensus that
+/// failed.
+enum class NotTracked : std::uint8_t {
+  kTracked,
+  kNoOdometry,   ///< none came yet, or not for longer than the largest step
+  kNoNewImage,   ///< the picture is the one before
+  kNoWork,       ///< the work limit did not pay for a single search
+  kNoCorners,    ///< too few landmarks in view, and no seeds: the picture has too few corners
+  kSeedsLost,    ///< same, and most seeds were not found again
+  kNoDepth,      ///< same, and the seeds' depths are not known yet
+  kNotFound,     ///< too few of the landmarks in view were found
+  kNoConsensus,  ///< enough were found, but they do not agree on a pose
+};
+inline constexpr int kNotTrackedCount = 9;
+
 /// What one frame gave: an output, written by the tracker and read by its caller.
 ///
 /// Two frames of reference. The filter estimates in `world`, the map library keeps its landmarks in
@@ -55,7 +70,8 @@ struct FrameReport {
   int from_library = 0;  ///< inliers that were once reactivated
   bool relocalised = false;
   FrameCut cut = FrameCut::kNone;
-  int work = 0;  ///< units spent, drawing apart (WorkBudget)
+  NotTracked not_tracked = NotTracked::kTracked;  ///< vehicle mode only
+  int work = 0;                                   ///< units spent, drawing apart (WorkBudget)
   UpdateReport update;
 };
 

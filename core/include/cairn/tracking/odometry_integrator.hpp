@@ -69,6 +69,8 @@ class OdometryIntegrator {
   void note_image_update(float ahead_m, float step_s);
 
   float speed_mps() const { return motion_.speed_mps; }
+  /// Whether the motion at the pose's time follows from samples.
+  bool known() const { return has_motion_ && time_us_ - motion_.t_us <= max_step_us_; }
   /// Whether the newest sample is exactly no motion.
   bool at_rest() const {
     return motion_.speed_mps == 0.0F &&

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cairn/tracking/active_search.hpp"
 #include "cairn/tracking/appearance.hpp"
+#include "cairn/tracking/patch_search.hpp"
 
 namespace cairn {
 
@@ -32,30 +32,29 @@ struct SeedParameters {
   float initial_depth_m = 4.0F;
   float initial_sigma_rho = 0.25F;  ///< 1/m: everything beyond about 1.3 m within 2 sigma
   float sigma_px = 0.3F;
-  float max_relative_sigma = 0.12F;  ///< sigma(rho) / rho of a converged seed
+  float max_relative_sigma = 0.2F;  ///< sigma(rho) / rho of a converged seed
   float min_depth_m = 0.5F;
   float max_depth_m = 25.0F;
   float depth_inflation = 1.5F;   ///< of the depth's sigma when it has converged
   float sigma_yaw_rad = 0.002F;   ///< of the caller's rotation since the frame before
   float sigma_pitch_rad = 1e-4F;  ///< same, about the camera's x axis
+  float sigma_roll_rad = 0.0F;    ///< of its rotation since the keyframe, about the optical axis
   float gate = 9.21F;
-  float search_step_px = 2.5F;  ///< sideways starts tried when few seeds are found
-  int min_views = 6;
+  int min_views = 3;  ///< one more than a depth needs
   int max_views = 150;
   int max_misses = 2;
-  int min_correlation_q10 = 768;
-  SearchParameters search;
+  PatchSearchParameters search;
 
   /// kBadConfig unless every value is finite and in its domain.
   Status validate() const {
-    const bool good =
-        is_positive(initial_depth_m) && is_positive(initial_sigma_rho) && is_positive(sigma_px) &&
-        is_positive(max_relative_sigma) && is_positive(min_depth_m) &&
-        is_positive(depth_inflation) && is_positive(gate) && is_positive(search_step_px) &&
-        is_finite(max_depth_m) && max_depth_m > min_depth_m && is_finite(sigma_yaw_rad) &&
-        sigma_yaw_rad >= 0.0F && is_finite(sigma_pitch_rad) && sigma_pitch_rad >= 0.0F &&
-        min_views >= 1 && max_views >= min_views && max_misses >= 0 && min_correlation_q10 >= 0 &&
-        min_correlation_q10 <= 1024 && ok(search.validate());
+    const bool good = is_positive(initial_depth_m) && is_positive(initial_sigma_rho) &&
+                      is_positive(sigma_px) && is_positive(max_relative_sigma) &&
+                      is_positive(min_depth_m) && is_positive(depth_inflation) &&
+                      is_positive(gate) && is_finite(max_depth_m) && max_depth_m > min_depth_m &&
+                      is_finite(sigma_yaw_rad) && sigma_yaw_rad >= 0.0F &&
+                      is_finite(sigma_pitch_rad) && sigma_pitch_rad >= 0.0F &&
+                      is_finite(sigma_roll_rad) && sigma_roll_rad >= 0.0F && min_views >= 1 &&
+                      max_views >= min_views && max_misses >= 0 && ok(search.validate());
     return good ? Status::kOk : Status::kBadConfig;
   }
 };

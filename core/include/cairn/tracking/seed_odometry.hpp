@@ -76,9 +76,9 @@ class SeedOdometry {
     if (seed == last) filter_.end_seed(seed);
   }
 
-  /// False where the seed is not expected in the image.
-  bool expect(const PinholeCamera<float>& camera, const Seeds& seeds, int i,
-              Expected& expected) const;
+  /// False where the seed is expected far outside the image.
+  bool expect(const PinholeCamera<float>& camera, const SeedParameters& parameters,
+              const Seeds& seeds, int i, Expected& expected) const;
 
   /// Corrects rotations and depths with the seeds `found` at `pixels`. The camera's rotation error
   /// is common to all residuals: those far from their median, compared with what the depth's sigma
@@ -87,13 +87,15 @@ class SeedOdometry {
                const Vector2<float>* pixels, bool* found);
 
  private:
+  static constexpr float kOutside_px = 40.0F;  ///< a seed's window may still reach into the image
+
   struct Keyframe {
     LandmarkId id = kNoLandmark;
     Rigid<float> T_pool_camera;
   };
 
-  bool median_residual(const PinholeCamera<float>& camera, const Seeds& seeds,
-                       const Vector2<float>* pixels, const bool* found,
+  bool median_residual(const PinholeCamera<float>& camera, const SeedParameters& parameters,
+                       const Seeds& seeds, const Vector2<float>* pixels, const bool* found,
                        Vector2<float>& median) const;
   void apply(const typename Filter::Correction& correction, float min_rho, Seeds& seeds);
   static void insert_sorted(float* values, int count, float value) {
@@ -111,6 +113,7 @@ class SeedOdometry {
 
 template <int MaxSeeds, int MaxKeyframes>
 bool SeedOdometry<MaxSeeds, MaxKeyframes>::expect(const PinholeCamera<float>& camera,
+                                                  const SeedParameters& parameters,
                                                   const Seeds& seeds, int i,
                                                   Expected& expected) const {
   const Seed& seed = seeds[i];
@@ -126,8 +129,9 @@ bool SeedOdometry<MaxSeeds, MaxKeyframes>::expect(const PinholeCamera<float>& ca
   expected.residual.by_camera = jacobian * by_rotation.template leftCols<2>();
   expected.residual.by_keyframe = -(jacobian * by_first_rotation.template leftCols<2>());
   expected.residual.by_depth = jacobian * T.translation;
+  expected.residual.unmodelled = parameters.sigma_roll_rad * (jacobian * by_rotation.col(2));
   expected.p_camera = scaled * (1.0F / seed.rho);
-  return camera.contains(expected.pixel, 10.0F);
+  return camera.contains(expected.pixel, -kOutside_px);
 }
 
 template <int MaxSeeds, int MaxKeyframes>
@@ -136,12 +140,12 @@ void SeedOdometry<MaxSeeds, MaxKeyframes>::correct(const PinholeCamera<float>& c
                                                    const Vector2<float>* pixels, bool* found) {
   constexpr float kFarFromMedian = 3.0F;
   Vector2<float> median;
-  if (!median_residual(camera, seeds, pixels, found, median)) return;
+  if (!median_residual(camera, parameters, seeds, pixels, found, median)) return;
   typename Filter::Correction correction;
   for (int i = 0; i < seeds.size(); ++i) {
     Expected expected;
     if (!found[i]) continue;
-    found[i] = expect(camera, seeds, i, expected);
+    found[i] = expect(camera, parameters, seeds, i, expected);
     if (!found[i]) continue;
     expected.residual.pixel = pixels[i] - expected.pixel;
     const Vector2<float> off = expected.residual.pixel - median;
@@ -171,17 +175,15 @@ void SeedOdometry<MaxSeeds, MaxKeyframes>::apply(const typename Filter::Correcti
 }
 
 template <int MaxSeeds, int MaxKeyframes>
-bool SeedOdometry<MaxSeeds, MaxKeyframes>::median_residual(const PinholeCamera<float>& camera,
-                                                           const Seeds& seeds,
-                                                           const Vector2<float>* pixels,
-                                                           const bool* found,
-                                                           Vector2<float>& median) const {
+bool SeedOdometry<MaxSeeds, MaxKeyframes>::median_residual(
+    const PinholeCamera<float>& camera, const SeedParameters& parameters, const Seeds& seeds,
+    const Vector2<float>* pixels, const bool* found, Vector2<float>& median) const {
   float u[MaxSeeds];
   float v[MaxSeeds];
   int count = 0;
   for (int i = 0; i < seeds.size(); ++i) {
     Expected expected;
-    if (!found[i] || !expect(camera, seeds, i, expected)) continue;
+    if (!found[i] || !expect(camera, parameters, seeds, i, expected)) continue;
     insert_sorted(u, count, pixels[i].x() - expected.pixel.x());
     insert_sorted(v, count, pixels[i].y() - expected.pixel.y());
     ++count;

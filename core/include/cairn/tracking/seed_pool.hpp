@@ -1,13 +1,14 @@
 #pragma once
 
 #include "cairn/tracking/seed_odometry.hpp"
+#include "cairn/tracking/work_budget.hpp"
 
 namespace cairn {
 
 /// Bounded pool of seeds, followed by a visual odometry of its own (SeedOdometry): it works while
 /// the map is still empty and the heading only as good as the wheels'. Seeds begin at keyframes,
-/// which the caller names and keeps in its own state. Cost per frame: at most 4 patch alignments
-/// and one filter update a seed.
+/// which the caller names and keeps in its own state. Cost per frame: one patch search and one
+/// filter update a seed.
 template <int MaxSeeds, int MaxKeyframes>
 class SeedPool {
  public:
@@ -16,6 +17,12 @@ class SeedPool {
   int size() const { return seeds_.size(); }
   bool full() const { return seeds_.full(); }
   const Seed& operator[](int i) const { return seeds_[i]; }
+  /// Seeds seen in the last frame.
+  int found() const {
+    int count = 0;
+    for (const Seed& seed : seeds_) count += seed.misses == 0 ? 1 : 0;
+    return count;
+  }
   void clear() {
     seeds_.clear();
     odometry_.clear();
@@ -37,20 +44,20 @@ class SeedPool {
   Status add(const ImageView& image, const PinholeCamera<float>& camera, int x, int y,
              LandmarkId keyframe, const Parameters& parameters);
 
-  /// Most units of work that following the present seeds takes, without searches.
-  int work_to_follow() const { return seeds_.size() * (work::kAlignment + kCorrectionWork); }
+  /// Units of work that following the present seeds takes at least: in the smallest windows.
+  int work_to_follow() const { return seeds_.size() * (kSmallSearchWork + kCorrectionWork); }
 
   /// Follows every seed into `image`, taken at the caller's estimate `T_odometry_camera` (only its
   /// motion since the last call counts). Lost seeds are dropped, their number returned. Where
-  /// `budget` does not afford work_to_follow(), as coast().
+  /// `budget` does not afford work_to_follow(), as coast(); a single seed whose search it does not
+  /// afford is not lost for it either.
   int follow(const ImageView& image, const PinholeCamera<float>& camera,
              const Rigid<float>& T_odometry_camera, const Parameters& parameters,
-             SearchScratch& scratch, WorkBudget& budget) {
+             WorkBudget& budget) {
     coast(T_odometry_camera, parameters);
     if (!budget.affords(work_to_follow())) return 0;
     budget.spend(seeds_.size() * kCorrectionWork);
-    measure_all(image, camera, parameters, budget);
-    search_missing(image, camera, parameters, scratch, budget);
+    measure(image, camera, parameters, budget);
     odometry_.correct(camera, parameters, seeds_, pixels_, found_);
     return drop_lost(parameters);
   }
@@ -73,6 +80,7 @@ class SeedPool {
 
  private:
   static constexpr int kCorrectionWork = 40;
+  static constexpr int kSmallSearchWork = 60;
   using Pixels = Vector2<float>[MaxSeeds];
   using Odometry = SeedOdometry<MaxSeeds, MaxKeyframes>;
   using Expected = typename Odometry::Expected;
@@ -87,22 +95,15 @@ class SeedPool {
                            odometry_.T_pool_camera(), expected.p_camera, warp));
   }
 
-  bool align(const ImageView& image, const PinholeCamera<float>& camera, const Seed& seed,
-             const Expected& expected, const Vector2<float>& shift, const Parameters& parameters,
-             Vector2<float>& pixel) const;
-  int measure_shifted(const ImageView& image, const PinholeCamera<float>& camera,
-                      const Vector2<float>& shift, const Parameters& parameters, bool* found,
-                      Pixels& pixels) const;
-  void measure_all(const ImageView& image, const PinholeCamera<float>& camera,
-                   const Parameters& parameters, WorkBudget& budget);
-  void search_missing(const ImageView& image, const PinholeCamera<float>& camera,
-                      const Parameters& parameters, SearchScratch& scratch, WorkBudget& budget);
+  void measure(const ImageView& image, const PinholeCamera<float>& camera,
+               const Parameters& parameters, WorkBudget& budget);
   int drop_lost(const Parameters& parameters);
   void fill(const PinholeCamera<float>& camera, const Parameters& parameters, int i,
             ConvergedSeed& converged) const;
 
   FixedVector<Seed, MaxSeeds> seeds_;
-  bool found_[MaxSeeds] = {};  ///< this frame's measurements, by seed
+  bool searched_[MaxSeeds] = {};  ///< this frame's measurements, by seed
+  bool found_[MaxSeeds] = {};
   Pixels pixels_;
   Odometry odometry_;
 };
@@ -166,92 +167,32 @@ int SeedPool<MaxSeeds, MaxKeyframes>::end_keyframes(bool make_room) {
   return dropped;
 }
 
+/// Searches each seed in the window that its uncertain depth and the camera's rotation give.
 template <int MaxSeeds, int MaxKeyframes>
-bool SeedPool<MaxSeeds, MaxKeyframes>::align(const ImageView& image,
-                                             const PinholeCamera<float>& camera, const Seed& seed,
-                                             const Expected& expected, const Vector2<float>& shift,
-                                             const Parameters& parameters,
-                                             Vector2<float>& pixel) const {
-  Matrix2<float> warp;
-  PatchWarp patch_warp;
-  if (!warp_of(camera, seed, expected, warp) || !to_patch_warp(warp, patch_warp)) return false;
-  int x_q8 = round_to_int((expected.pixel.x() + shift.x()) * 256.0F);
-  int y_q8 = round_to_int((expected.pixel.y() + shift.y()) * 256.0F);
-  PatchAlignment alignment;
-  if (!ok(align_patch(image, seed.appearance.patch, patch_warp, x_q8, y_q8, alignment)) ||
-      !alignment.converged || alignment.correlation < parameters.min_correlation_q10) {
-    return false;
-  }
-  pixel = Vector2<float>(static_cast<float>(x_q8) / 256.0F, static_cast<float>(y_q8) / 256.0F);
-  return true;
-}
-
-/// Seeds found when all are expected `shift` away from their prediction.
-template <int MaxSeeds, int MaxKeyframes>
-int SeedPool<MaxSeeds, MaxKeyframes>::measure_shifted(const ImageView& image,
-                                                      const PinholeCamera<float>& camera,
-                                                      const Vector2<float>& shift,
-                                                      const Parameters& parameters, bool* found,
-                                                      Pixels& pixels) const {
-  int count = 0;
+void SeedPool<MaxSeeds, MaxKeyframes>::measure(const ImageView& image,
+                                               const PinholeCamera<float>& camera,
+                                               const Parameters& parameters, WorkBudget& budget) {
   for (int i = 0; i < seeds_.size(); ++i) {
-    Expected expected;
-    found[i] = odometry_.expect(camera, seeds_, i, expected) &&
-               align(image, camera, seeds_[i], expected, shift, parameters, pixels[i]);
-    count += found[i] ? 1 : 0;
-  }
-  return count;
-}
-
-template <int MaxSeeds, int MaxKeyframes>
-void SeedPool<MaxSeeds, MaxKeyframes>::measure_all(const ImageView& image,
-                                                   const PinholeCamera<float>& camera,
-                                                   const Parameters& parameters,
-                                                   WorkBudget& budget) {
-  const int round_work = seeds_.size() * work::kAlignment;
-  budget.spend(round_work);
-  int best = measure_shifted(image, camera, Vector2<float>::Zero(), parameters, found_, pixels_);
-  const float steps[] = {-parameters.search_step_px, parameters.search_step_px};
-  for (const float step : steps) {
-    if (10 * best >= 7 * seeds_.size() || !budget.affords(round_work)) return;
-    budget.spend(round_work);
-    bool found[MaxSeeds];
-    Pixels pixels;
-    const int count =
-        measure_shifted(image, camera, Vector2<float>(step, 0.0F), parameters, found, pixels);
-    if (count <= best) continue;
-    best = count;
-    for (int i = 0; i < seeds_.size(); ++i) {
-      found_[i] = found[i];
-      pixels_[i] = pixels[i];
-    }
-  }
-}
-
-/// Searches the seeds that alignment did not find by descriptor, in the window that their uncertain
-/// depth and rotation give.
-template <int MaxSeeds, int MaxKeyframes>
-void SeedPool<MaxSeeds, MaxKeyframes>::search_missing(const ImageView& image,
-                                                      const PinholeCamera<float>& camera,
-                                                      const Parameters& parameters,
-                                                      SearchScratch& scratch, WorkBudget& budget) {
-  for (int i = 0; i < seeds_.size(); ++i) {
-    if (found_[i]) continue;
-    if (!budget.affords(work::kLandmarkSearch)) return;
+    found_[i] = false;
+    searched_[i] = true;
     const Seed& seed = seeds_[i];
     Expected expected;
     Matrix2<float> warp;
-    if (!odometry_.expect(camera, seeds_, i, expected) || !warp_of(camera, seed, expected, warp)) {
+    PatchWarp patch_warp;
+    if (!odometry_.expect(camera, parameters, seeds_, i, expected) ||
+        !warp_of(camera, seed, expected, warp) || !to_patch_warp(warp, patch_warp)) {
       continue;
     }
     PixelPrediction<float> prediction;
     prediction.pixel = expected.pixel;
     prediction.covariance = odometry_.innovation_covariance(expected, parameters.sigma_px);
     prediction.p_camera = expected.p_camera;
-    SearchReport report;
-    found_[i] = ok(search_landmark(image, prediction, seed.appearance, warp, parameters.search,
-                                   scratch, pixels_[i], report));
-    budget.spend(report.work);
+    const int search_work = patch_search_work(prediction, parameters.search);
+    searched_[i] = budget.affords(search_work);
+    if (!searched_[i]) continue;
+    budget.spend(search_work);
+    found_[i] = ok(search_patch(image, prediction, seed.appearance.patch, patch_warp,
+                                parameters.search, pixels_[i]));
   }
 }
 
@@ -264,7 +205,7 @@ int SeedPool<MaxSeeds, MaxKeyframes>::drop_lost(const Parameters& parameters) {
       seed.pixel = pixels_[i];
       ++seed.seen;
       seed.misses = 0;
-    } else {
+    } else if (searched_[i]) {
       ++seed.misses;
     }
     if (seed.misses > parameters.max_misses || seed.seen + seed.misses > parameters.max_views) {

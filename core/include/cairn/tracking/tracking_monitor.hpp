@@ -21,19 +21,19 @@ struct MeasurementCounts {
 class TrackingMonitor {
  public:
   struct Parameters {
-    int min_inliers = 4;                ///< fewer: the frame is weak
-    int uncertain_frames_to_lost = 60;  ///< weak frames in a row
-    float min_match_ratio = 0.08F;      ///< of the landmarks searched; fewer match by chance
-    float min_mean_ratio = 0.5F;        ///< smallest inlier ratio, relative to its running mean
-    float min_return_ratio = 0.3F;      ///< of the landmarks searched, after two weak frames
-    int min_return_matches = 6;         ///< and at least so many
-    float min_place_ratio = 0.7F;       ///< of the landmarks expected at a recognised place
-    int probation_frames = 0;           ///< tracked frames until a recognised place counts as found
+    int min_inliers = 4;               ///< fewer: the frame is weak
+    float uncertain_s_to_lost = 2.0F;  ///< of weak frames in a row
+    float min_match_ratio = 0.08F;     ///< of the landmarks searched; fewer match by chance
+    float min_mean_ratio = 0.5F;       ///< smallest inlier ratio, relative to its running mean
+    float min_return_ratio = 0.3F;     ///< of the landmarks searched, after two weak frames
+    int min_return_matches = 6;        ///< and at least so many
+    float min_place_ratio = 0.7F;      ///< of the landmarks expected at a recognised place
+    int probation_frames = 0;          ///< tracked frames until a recognised place counts as found
 
     /// kBadConfig unless every value is finite and in its domain.
     Status validate() const {
       const bool good =
-          min_inliers >= 1 && uncertain_frames_to_lost >= 0 && min_return_matches >= 0 &&
+          min_inliers >= 1 && uncertain_s_to_lost >= 0.0F && min_return_matches >= 0 &&
           probation_frames >= 0 && min_match_ratio >= 0.0F && min_match_ratio <= 1.0F &&
           min_mean_ratio >= 0.0F && min_mean_ratio <= 1.0F && min_return_ratio >= 0.0F &&
           min_return_ratio <= 1.0F && min_place_ratio >= 0.0F && min_place_ratio <= 1.0F;
@@ -45,6 +45,9 @@ class TrackingMonitor {
     *this = TrackingMonitor();
     parameters_ = parameters;
   }
+
+  /// Begins a frame that stands for `step_s` seconds.
+  void begin_frame(float step_s) { step_s_ = step_s; }
 
   TrackingState state() const { return state_; }
   /// Weak frames in a row, up to now.
@@ -88,6 +91,8 @@ class TrackingMonitor {
   Parameters parameters_;
   TrackingState state_ = TrackingState::kInitialising;
   int weak_frames_ = 0;
+  float weak_s_ = 0.0F;  ///< that they have lasted
+  float step_s_ = 0.0F;
   int probation_ = 0;  ///< frames left
   float mean_inlier_ratio_ = 0.0F;
 };

@@ -1,18 +1,11 @@
 #pragma once
 
+#include "cairn/tracking/seed_motion.hpp"
 #include "cairn/tracking/seed_pool.hpp"
 #include "cairn/tracking/vehicle_estimate.hpp"
 #include "cairn/tracking/vehicle_frame.hpp"
 
 namespace cairn {
-
-/// How a vehicle moves between two frames, as far as its local map needs it.
-struct VehicleMotion {
-  float speed_mps = 0.0F;
-  float step_s = 0.0F;        ///< since the frame before
-  float yaw_variance = 0.0F;  ///< of odometry's yaw increment since then, rad^2
-  bool tracked = false;       ///< the filter corrects the yaw: it is better known than that
-};
 
 /// Keeps the landmarks of a vehicle's filter: seeds that begin at corners of keyframes, landmarks
 /// made of seeds whose depth has converged, and the removal of landmarks that are not found again
@@ -29,19 +22,22 @@ class VehicleLocalMap {
   struct Parameters {
     typename Supply::Parameters supply;
     SeedParameters seeds;
-    float tracked_yaw_rad = 3e-4F;  ///< error of the filter's yaw increment in one frame, tracking
-    int target_in_view = 32;        ///< landmarks and seeds wanted in view
+    SeedNoise seed_noise;
+    int target_in_view = 32;  ///< landmarks and seeds wanted in view
     int max_new_seeds_per_frame = 6;
-    int keyframe_interval = 8;  ///< frames between frames with new seeds
+    float keyframe_interval_s = 0.25F;  ///< least time, or else
+    float keyframe_distance_m = 0.5F;   ///< distance, between frames with new seeds
     int max_new_landmarks_per_frame = 4;
+    float out_of_view_s = 0.5F;        ///< least time before a landmark makes room for a new one
     int min_sightings_to_archive = 6;  ///< of a landmark that leaves the filter
 
     /// kBadConfig unless every value is finite and in its domain.
     Status validate() const {
       const bool good = ok(supply.validate()) && ok(seeds.validate()) &&
-                        is_positive(tracked_yaw_rad) && target_in_view >= 0 &&
-                        max_new_seeds_per_frame >= 0 && keyframe_interval >= 1 &&
-                        max_new_landmarks_per_frame >= 0 && min_sightings_to_archive >= 1;
+                        ok(seed_noise.validate()) && target_in_view >= 0 &&
+                        max_new_seeds_per_frame >= 0 && is_positive(keyframe_interval_s) &&
+                        is_positive(keyframe_distance_m) && max_new_landmarks_per_frame >= 0 &&
+                        is_positive(out_of_view_s) && min_sightings_to_archive >= 1;
       return good ? Status::kOk : Status::kBadConfig;
     }
   };
@@ -49,16 +45,29 @@ class VehicleLocalMap {
   /// Starts anew. `search`: how seeds are searched.
   void reset(const Parameters& parameters, const SearchParameters& search) {
     parameters_ = parameters;
-    parameters_.seeds.search = search;
+    parameters_.seeds.search = search.patch;
     seeds_.clear();
     supply_ = Supply{};
     keyframes_.clear();
-    frames_since_keyframe_ = parameters.keyframe_interval;
+    since_keyframe_s_ = parameters.keyframe_interval_s;
+    since_keyframe_m_ = 0.0F;
+    step_s_ = 0.0F;
   }
-  void begin_frame(const ImageView& image) { supply_.begin(image.width, image.height); }
+  /// `step_s`: since the frame before.
+  void begin_frame(const ImageView& image, float step_s) {
+    supply_.begin(image.width, image.height);
+    step_s_ = step_s;
+  }
 
   const Seeds& seeds() const { return seeds_; }
   void drop_seeds() { seeds_.clear(); }
+  /// Whether `in_view` landmarks are so few that not finding them says little.
+  bool is_thin(int in_view) const { return 3 * in_view <= parameters_.target_in_view; }
+  /// Why the map has too few landmarks in view.
+  NotTracked shortage() const {
+    if (seeds_lost_) return NotTracked::kSeedsLost;
+    return seeds_.size() > 0 ? NotTracked::kNoDepth : NotTracked::kNoCorners;
+  }
 
   /// Removes landmarks that are rarely found where they are searched, and makes room for new ones.
   /// Those of the library are passed to archive.report_not_found(frame, id).
@@ -78,7 +87,7 @@ class VehicleLocalMap {
  private:
   static constexpr float kMinBaseline_m = 1e-3F;
 
-  SeedParameters seed_parameters(const VehicleMotion& motion) const;
+  bool keyframe_is_due() const;
   void begin_seeds(Frame& frame, Estimate& estimate, const SeedParameters& seeds);
   int occupy_view(const Estimate& estimate);
   void add_landmarks(Frame& frame, Estimate& estimate, const SeedParameters& seeds);
@@ -92,7 +101,10 @@ class VehicleLocalMap {
   Seeds seeds_;
   Supply supply_;
   FixedVector<LandmarkId, Config::kMaxKeyframes> keyframes_;  ///< remembered positions
-  int frames_since_keyframe_ = 0;
+  float step_s_ = 0.0F;
+  float since_keyframe_s_ = 0.0F;
+  float since_keyframe_m_ = 0.0F;
+  bool seeds_lost_ = false;  ///< most were not found in this frame
 };
 
 template <class Config, class Filter>
@@ -118,11 +130,10 @@ template <class Config, class Filter>
 template <class Archive>
 void VehicleLocalMap<Config, Filter>::make_room(Frame& frame, Estimate& estimate, Archive& archive,
                                                 int reserve, int limit) {
-  constexpr int kMinFramesOutOfView = 15;
   for (int i = 0; i < limit; ++i) {
     if (estimate.size() + reserve <= kMaxLandmarks || !frame.work.take(work::kRemoval)) return;
     int longest = -1;
-    int frames = kMinFramesOutOfView;
+    int frames = step_s_ > 0.0F ? static_cast<int>(parameters_.out_of_view_s / step_s_) : 0;
     for (int slot = 0; slot < estimate.size(); ++slot) {
       const TrackedLandmark* landmark = estimate.landmarks().find(estimate.id(slot));
       if (landmark == nullptr || landmark->frames_out_of_view <= frames) continue;
@@ -141,36 +152,19 @@ void VehicleLocalMap<Config, Filter>::make_room(Frame& frame, Estimate& estimate
 template <class Config, class Filter>
 void VehicleLocalMap<Config, Filter>::follow(Frame& frame, Estimate& estimate,
                                              const VehicleMotion& motion, bool growing) {
-  const SeedParameters seeds = seed_parameters(motion);
+  const SeedParameters seeds =
+      seeds_in_motion(parameters_.seeds, parameters_.seed_noise, estimate, motion);
   if (!frame.work.affords(seeds_.work_to_follow())) frame.work.cut_mapping();
+  const int followed = seeds_.size();
   const int dropped = seeds_.follow(frame.image, frame.camera, estimate.T_world_camera(), seeds,
-                                    frame.scratch.search, frame.work.budget());
+                                    frame.work.budget());
   frame.health.candidates_dropped += static_cast<std::uint32_t>(dropped);
+  seeds_lost_ = 2 * seeds_.found() < followed;
   if (growing) add_landmarks(frame, estimate, seeds);
   end_keyframes(frame, estimate, false);
-  ++frames_since_keyframe_;
+  since_keyframe_s_ += motion.step_s;
+  since_keyframe_m_ += abs(motion.speed_mps) * motion.step_s;
   if (growing) begin_seeds(frame, estimate, seeds);
-}
-
-/// Depth is measured by the distance travelled between frames: a fast vehicle must expect, and may
-/// trust, larger depths.
-template <class Config, class Filter>
-SeedParameters VehicleLocalMap<Config, Filter>::seed_parameters(const VehicleMotion& motion) const {
-  constexpr float kMinSpeed_mps = 0.02F;
-  constexpr float kInitialDepthInSteps = 12.0F;
-  constexpr float kMaxDepthInSteps = 60.0F;
-  SeedParameters seeds = parameters_.seeds;
-  const float measured = abs(motion.speed_mps);
-  const float speed = measured > kMinSpeed_mps ? measured : kMinSpeed_mps;
-  const float step = speed * motion.step_s;
-  if (kInitialDepthInSteps * step > seeds.initial_depth_m) {
-    seeds.initial_depth_m = kInitialDepthInSteps * step;
-    seeds.initial_sigma_rho = 1.0F / seeds.initial_depth_m;
-  }
-  if (kMaxDepthInSteps * step > seeds.max_depth_m) seeds.max_depth_m = kMaxDepthInSteps * step;
-  seeds.sigma_yaw_rad =
-      motion.tracked ? parameters_.tracked_yaw_rad : sqrt(motion.yaw_variance) + 1e-4F;
-  return seeds;
 }
 
 /// Marks where seeds and landmarks are seen; returns how many.
@@ -190,20 +184,32 @@ int VehicleLocalMap<Config, Filter>::occupy_view(const Estimate& estimate) {
 }
 
 template <class Config, class Filter>
+bool VehicleLocalMap<Config, Filter>::keyframe_is_due() const {
+  return since_keyframe_s_ >= parameters_.keyframe_interval_s ||
+         since_keyframe_m_ >= parameters_.keyframe_distance_m;
+}
+
+template <class Config, class Filter>
 void VehicleLocalMap<Config, Filter>::begin_seeds(Frame& frame, Estimate& estimate,
                                                   const SeedParameters& seeds) {
-  if (frames_since_keyframe_ < parameters_.keyframe_interval) return;
+  if (seeds_.full()) return;
   if (!frame.work.take(work::kKeyframe + work::kProjection * estimate.size())) {
     frame.work.cut_mapping();
     return;
   }
-  const int room = parameters_.target_in_view - occupy_view(estimate);
-  const int most = parameters_.max_new_seeds_per_frame;
+  const int in_view = occupy_view(estimate);
+  const bool few = 2 * in_view < parameters_.target_in_view;
+  if (!(few && !keyframes_.full()) && !keyframe_is_due()) return;
+  const int room = parameters_.target_in_view - in_view;
+  const int most = room / 2 > parameters_.max_new_seeds_per_frame
+                       ? room / 2
+                       : parameters_.max_new_seeds_per_frame;
   const int limit = room < most ? room : most;
-  if (limit <= 0 || seeds_.full()) return;
+  if (limit <= 0) return;
   Corner corners[Supply::kCells];
-  const int found =
-      propose_corners(frame, supply_, parameters_.supply, limit, frame.scratch.supply, corners);
+  typename Supply::Parameters supply = parameters_.supply;
+  if (few) supply.cells_per_frame *= 2;
+  const int found = propose_corners(frame, supply_, supply, limit, frame.scratch.supply, corners);
   if (found == 0 || !begin_keyframe(frame, estimate)) return;
   for (int i = 0; i < found && frame.work.take(work::kAppearance); ++i) {
     const Status status = seeds_.add(frame.image, frame.camera, corners[i].x, corners[i].y,
@@ -308,7 +314,7 @@ bool VehicleLocalMap<Config, Filter>::begin_keyframe(Frame& frame, Estimate& est
   }
   ++estimate.next_id();
   keyframes_.push_back(id);
-  frames_since_keyframe_ = 0;
+  since_keyframe_s_ = since_keyframe_m_ = 0.0F;
   return true;
 }
 

@@ -26,6 +26,7 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
   health_ = Health{};
+  thin_map_ = false;
   return Status::kOk;
 }
 
@@ -80,18 +81,19 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
 
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::begin(const ImageView& image) {
-  local_map_.begin_frame(image);
+  local_map_.begin_frame(image, frame_step_s_);
   measurement_.begin();
   work_.begin(work::kFrame + work::repeated_image(image.width, image.height) +
               estimate_.projection_work() * estimate_.size());
-  map_reuse_.begin_frame(monitor_.weak_frames());
+  map_reuse_.begin_frame(thin_map_ ? 0 : monitor_.weak_frames());
 }
 
 template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::predict(std::int64_t t_us) {
   const Status status = odometry_.integrate_to(t_us, estimate_.filter(), health_);
   const FrameStep step = input_.accept(t_us, health_);
-  frame_step_s_ = static_cast<float>(step.us) * 1e-6F;
+  frame_step_s_ = step.seconds();
+  monitor_.begin_frame(step.seconds_of_a_frame());
   static_cast<void>(estimate_.filter().predict_tilt(frame_step_s_));
   monitor_.note_blind_frames(step.missed);
   if (!step.gap) return status;
@@ -111,7 +113,7 @@ Status FrameTracker<Config, Filter>::pass_over(Status status) {
 /// Searches are paid for with what is left when the update and a step of the relocalisation are.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::measure(Frame& frame) {
-  const bool relocalises = map_reuse_.relocalises(monitor_.weak_frames());
+  const bool relocalises = this->relocalises();
   const int planned = planned_searches();
   const int landmarks = estimate_.size();
   const int units =
@@ -126,7 +128,12 @@ template <class Config, class Filter>
 int FrameTracker<Config, Filter>::planned_searches() const {
   if (map_reuse_.takes_image()) return 0;
   const int most = measurement_.parameters().max_searches;
-  return map_reuse_.relocalises(monitor_.weak_frames()) ? most / 2 : most;
+  return relocalises() ? most / 2 : most;
+}
+
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::relocalises() const {
+  return !thin_map_ && map_reuse_.relocalises(monitor_.weak_frames());
 }
 
 template <class Config, class Filter>
@@ -158,23 +165,26 @@ void FrameTracker<Config, Filter>::note_correction(const PlanarPose<float>& pred
 }
 
 /// Grows the map while the pose holds, recognises the place while it does not. A place that the
-/// library does not have is mapped from odometry's pose.
+/// library does not have is mapped from odometry's pose, and so is one where the map has too few
+/// landmarks in view to say anything, until tracking is lost.
 template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   const Library* library = frame.map.exchange.acquire();
   const bool known =
       monitor_.holds(measurement_.counts()) || state() == TrackingState::kInitialising;
   const bool usable = map_reuse_.usable(library);
+  thin_map_ = !known && state() != TrackingState::kLost && measurement_.counts().could_search &&
+              local_map_.is_thin(measurement_.counts().searched);
   if (known) {
     local_map_.remove_unreliable(frame, estimate_, map_reuse_.archive());
     map_reuse_.end_relocalisation();
-  } else if (map_reuse_.relocalises(monitor_.weak_frames())) {
+  } else if (relocalises()) {
     local_map_.drop_seeds();
     status = relocalise(frame, *library, status);
   }
   const bool anew = !usable || map_reuse_.place_unknown();
   if (anew && !known) monitor_.forget_mean();
-  const bool growing = known || monitor_.holds(measurement_.counts()) || anew;
+  const bool growing = known || thin_map_ || monitor_.holds(measurement_.counts()) || anew;
   local_map_.follow(frame, estimate_, motion(), growing);
   odometry_.forget_yaw();
   if (known && usable) map_reuse_.reactivate(frame, estimate_, *library);
@@ -236,11 +246,25 @@ void FrameTracker<Config, Filter>::report(Status status, FrameReport& report) {
   map_reuse_.archive().policy().travel(abs(odometry_.speed_mps()) * frame_step_s_, next_id());
   report.status = status;
   report.state = state();
+  report.not_tracked = why_not_tracked(status);
   report.T_world_camera = T_world_camera();
   report.T_map_camera = map_reuse_.archive().T_map_camera(estimate_);
   measurement_.report(report);
   report.landmarks = estimate_.size();
   work_.end(measurement_.deferred(), report, health_);
+}
+
+template <class Config, class Filter>
+NotTracked FrameTracker<Config, Filter>::why_not_tracked(Status status) const {
+  const MeasurementCounts& counts = measurement_.counts();
+  if (monitor_.holds(counts)) return NotTracked::kTracked;
+  if (!odometry_.known()) return NotTracked::kNoOdometry;
+  if (status == Status::kRepeatedImage) return NotTracked::kNoNewImage;
+  if (!counts.could_search) return NotTracked::kNoWork;
+  if (counts.searched < monitor_.parameters().min_inliers) return local_map_.shortage();
+  const bool found =
+      counts.matches >= monitor_.parameters().min_inliers && monitor_.enough_matches(counts);
+  return found ? NotTracked::kNoConsensus : NotTracked::kNotFound;
 }
 
 template <class Config, class Filter>

@@ -84,6 +84,7 @@ Status HandheldTracker<Config>::track(Frame& frame, const FrameStep& step, Stage
 template <class Config>
 Status HandheldTracker<Config>::predict(const FrameStep& step) {
   if (step.us == 0) return Status::kOk;  // the first frame
+  monitor_.begin_frame(step.seconds_of_a_frame());
   if (step.gap) monitor_.note_blind_frames(step.missed);
   Filter& filter = estimate_.filter();
   const Status set = filter.set_motion_noise(motion_.velocity_noise(), motion_.rate_noise());

@@ -1,0 +1,74 @@
+#pragma once
+
+#include "cairn/numeric/math.hpp"
+#include "cairn/tracking/seed.hpp"
+
+namespace cairn {
+
+/// How a vehicle moves between two frames, as far as its seeds need it.
+struct VehicleMotion {
+  float speed_mps = 0.0F;
+  float step_s = 0.0F;        ///< since the frame before
+  float yaw_variance = 0.0F;  ///< of odometry's yaw increment since then, rad^2
+  bool tracked = false;       ///< the filter corrects the yaw: it is better known than that
+};
+
+/// Error of the estimate's rotation since the frame before, rad per square root of second.
+struct SeedNoise {
+  float tracked_yaw = 1.65e-3F;  ///< of the filter's yaw, while tracking
+  float pitch = 5.5e-4F;         ///< about the camera's x axis, beside the tilt's
+
+  /// kBadConfig unless every value is finite and in its domain.
+  Status validate() const {
+    const bool good = is_positive(tracked_yaw) && is_finite(pitch) && pitch >= 0.0F;
+    return good ? Status::kOk : Status::kBadConfig;
+  }
+};
+
+/// Variances of a rotation about the vehicle's axes, about those of the camera.
+inline Vector3<float> about_camera_axes(const Matrix3<float>& R_vehicle_camera,
+                                        const Vector3<float>& variances) {
+  return R_vehicle_camera.cwiseAbs2().transpose() * variances;
+}
+
+/// Variances about the vehicle's axes of how wrong the estimate's rotation since the frame before
+/// is: no more than the noise of that time, and no more than the tilt's own errors at both ends.
+template <class Estimate>
+Vector3<float> rotation_since_last_frame(const SeedNoise& noise, const Estimate& estimate,
+                                         const VehicleMotion& motion) {
+  const Vector2<float> step = estimate.tilt_noise(motion.step_s);
+  const Matrix2<float> tilt = estimate.tilt_covariance();
+  const auto least = [](float a, float b) { return a < b ? a : b; };
+  const float yaw = motion.tracked ? square(noise.tracked_yaw) * motion.step_s
+                                   : square(sqrt(motion.yaw_variance) + 1e-4F);
+  return {least(step.y(), 2.0F * tilt(1, 1)), least(step.x(), 2.0F * tilt(0, 0)), yaw};
+}
+
+/// The seeds' parameters for one frame. Depth is measured by the distance travelled: a fast vehicle
+/// must expect, and may trust, larger depths. The estimate's rotation is uncertain about the
+/// vehicle's axes; the seeds need it about the camera's. `Estimate`: VehicleEstimate.
+template <class Estimate>
+SeedParameters seeds_in_motion(const SeedParameters& parameters, const SeedNoise& noise,
+                               const Estimate& estimate, const VehicleMotion& motion) {
+  constexpr float kInitialDepth_s = 1.2F;
+  constexpr float kMaxDepth_s = 6.0F;
+  SeedParameters seeds = parameters;
+  const float speed = abs(motion.speed_mps);
+  if (kInitialDepth_s * speed > seeds.initial_depth_m) {
+    seeds.initial_depth_m = kInitialDepth_s * speed;
+    seeds.initial_sigma_rho = 1.0F / seeds.initial_depth_m;
+  }
+  if (kMaxDepth_s * speed > seeds.max_depth_m) seeds.max_depth_m = kMaxDepth_s * speed;
+  const Matrix3<float> R_vehicle_camera = estimate.T_vehicle_camera().rotation.toRotationMatrix();
+  const Vector3<float> step =
+      about_camera_axes(R_vehicle_camera, rotation_since_last_frame(noise, estimate, motion));
+  const Matrix2<float> tilt = estimate.tilt_covariance();
+  const Vector3<float> tilts =
+      about_camera_axes(R_vehicle_camera, Vector3<float>(tilt(1, 1), tilt(0, 0), 0.0F));
+  seeds.sigma_pitch_rad = sqrt(step.x() + square(noise.pitch) * motion.step_s);
+  seeds.sigma_yaw_rad = sqrt(step.y());
+  seeds.sigma_roll_rad = sqrt(2.0F * tilts.z());
+  return seeds;
+}
+
+}  // namespace cairn
