@@ -193,7 +193,7 @@ template <class Config, class Filter>
 void VehicleLocalMap<Config, Filter>::begin_seeds(Frame& frame, Estimate& estimate,
                                                   const SeedParameters& seeds) {
   if (seeds_.full()) return;
-  if (!frame.work.take(work::kKeyframe + work::kProjection * estimate.size())) {
+  if (!frame.work.take(work::kKeyframe + estimate.projection_work() * estimate.size())) {
     frame.work.cut_mapping();
     return;
   }

@@ -175,8 +175,8 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   const bool usable = map_reuse_.usable(library);
   thin_map_ = !known && state() != TrackingState::kLost && measurement_.counts().could_search &&
               local_map_.is_thin(measurement_.counts().searched);
+  if (known || thin_map_) local_map_.remove_unreliable(frame, estimate_, map_reuse_.archive());
   if (known) {
-    local_map_.remove_unreliable(frame, estimate_, map_reuse_.archive());
     map_reuse_.end_relocalisation();
   } else if (relocalises()) {
     local_map_.drop_seeds();
@@ -216,7 +216,8 @@ VehicleMotion FrameTracker<Config, Filter>::motion() const {
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::note_matches(Frame& frame,
                                                 const typename Measurement::Matches& matches) {
-  if (!monitor_.holds(measurement_.counts()) && state() != TrackingState::kInitialising) {
+  if (!monitor_.holds(measurement_.counts()) && state() != TrackingState::kInitialising &&
+      !local_map_.is_thin(measurement_.counts().searched)) {
     Measurement::forget_searches(estimate_.landmarks());
     return;
   }
