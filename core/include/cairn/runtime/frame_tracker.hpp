@@ -70,7 +70,7 @@ class FrameTracker {
 
     PlanarParameters<float> filter;
     OdometryNoise odometry;
-    float sigma_px = 0.75F;
+    float sigma_px = 0.8F;
     FloorParameters floor;
     typename Measurement::Parameters measurement;
     TrackingMonitor::Parameters monitor;
