@@ -94,6 +94,8 @@ class SeedOdometry {
     Rigid<float> T_pool_camera;
   };
 
+  static bool near_median(const typename Filter::Residual& residual, const Vector2<float>& off,
+                          float depth_variance);
   bool median_residual(const PinholeCamera<float>& camera, const SeedParameters& parameters,
                        const Seeds& seeds, const Vector2<float>* pixels, const bool* found,
                        Vector2<float>& median) const;
@@ -138,7 +140,6 @@ template <int MaxSeeds, int MaxKeyframes>
 void SeedOdometry<MaxSeeds, MaxKeyframes>::correct(const PinholeCamera<float>& camera,
                                                    const SeedParameters& parameters, Seeds& seeds,
                                                    const Vector2<float>* pixels, bool* found) {
-  constexpr float kFarFromMedian = 3.0F;
   Vector2<float> median;
   if (!median_residual(camera, parameters, seeds, pixels, found, median)) return;
   typename Filter::Correction correction;
@@ -149,12 +150,27 @@ void SeedOdometry<MaxSeeds, MaxKeyframes>::correct(const PinholeCamera<float>& c
     if (!found[i]) continue;
     expected.residual.pixel = pixels[i] - expected.pixel;
     const Vector2<float> off = expected.residual.pixel - median;
-    const Vector2<float>& slope = expected.residual.by_depth;
-    const float allowed = kFarFromMedian + 3.0F * sqrt(filter_.variance(i) * slope.dot(slope));
-    found[i] = off.dot(off) <= square(allowed) &&
+    found[i] = near_median(expected.residual, off, filter_.variance(i)) &&
                filter_.update(expected.residual, parameters.sigma_px, parameters.gate, correction);
   }
   apply(correction, 0.2F / parameters.max_depth_m, seeds);
+}
+
+/// Whether `off` lies in the ellipse that an unknown depth draws along the epipolar line; across
+/// it, only a few pixels are allowed.
+template <int MaxSeeds, int MaxKeyframes>
+bool SeedOdometry<MaxSeeds, MaxKeyframes>::near_median(const typename Filter::Residual& residual,
+                                                       const Vector2<float>& off,
+                                                       float depth_variance) {
+  constexpr float kAcross_px = 3.0F;
+  constexpr float kSigmas = 3.0F;
+  const Vector2<float>& roll = residual.unmodelled;
+  const float across = square(kAcross_px) + square(kSigmas) * roll.dot(roll);
+  const Vector2<float>& slope = residual.by_depth;
+  const float variance = square(kSigmas) * depth_variance;
+  const float along = off.dot(slope);
+  const float share = square(along) * variance / (across + variance * slope.dot(slope));
+  return off.dot(off) - share <= across;
 }
 
 template <int MaxSeeds, int MaxKeyframes>
