@@ -171,7 +171,10 @@ PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matche
   if (result.left_out > 0) frame.work.raise_cut(FrameCut::kFewerUpdates);
   result.status = filter_.update_pixels(camera_, T_vehicle_camera_, sigma_px_, matches.data(),
                                         matches.size(), frame.random, result.report);
-  frame.work.spend(pixel_work(matches.size(), result.report.hypotheses, result.report.nis_dof / 2));
+  if (!matches.empty()) {
+    frame.work.spend(
+        pixel_work(matches.size(), result.report.hypotheses, result.report.nis_dof / 2));
+  }
   for (PixelMatch<float>& match : matches) {
     if (!ok(result.status)) match.inlier = false;
     result.inliers += match.inlier ? 1 : 0;
