@@ -94,6 +94,11 @@ class MonoEkf {
   /// Motion noise from the next prediction on (MonoParameters::velocity_noise and rate_noise).
   /// kNonFiniteInput, kInvalidArgument (negative): unchanged.
   Status set_motion_noise(T velocity_noise, T rate_noise);
+  /// Takes the camera's rotation over the step of the last prediction, `dt_s`, as it was measured
+  /// by other means (a rotation vector, camera axes, rad), with its standard deviations. Call it
+  /// between predict() and update(). kNotInitialised, kNonFiniteInput, kInvalidArgument (step or
+  /// deviation not positive): unchanged. Cost: 2 n^2 multiply-adds.
+  Status observe_rotation(const Vector3<T>& rotation, const Vector3<T>& sigma_rad, T dt_s);
   /// Hypotheses of three matches that an update may draw from now on, at most max_triples: for a
   /// frame that can pay for fewer.
   void set_triple_limit(int most) { triple_limit_ = most; }
@@ -158,6 +163,14 @@ class MonoEkf {
   /// deviation. Same errors as feature_position().
   Status feature_inverse_depth(int slot, T& inverse_depth, T& sigma) const;
 
+  /// Median inverse depth of the features that are known to 30 %, 1/m; that of the first features
+  /// while there are fewer than eight.
+  T typical_inverse_depth() const {
+    T inverse_depth = first_inverse_depth_;
+    T sigma = first_inverse_depth_sigma_;
+    expected_inverse_depth(inverse_depth, sigma);
+    return inverse_depth;
+  }
   /// Camera with the focal length as it is estimated.
   PinholeCamera<T> camera() const { return camera_at(x_); }
   /// Standard deviation of the focal length, as a share of it; 0 where it is not estimated.
@@ -297,4 +310,5 @@ class MonoEkf {
 #include "cairn/mono/detail/mono_ekf_measure_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_points_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_predict_impl.hpp"
+#include "cairn/mono/detail/mono_ekf_rotation_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_update_impl.hpp"

@@ -18,6 +18,7 @@ Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
   local_map_.reset(parameters.local_map);
   start_.reset(parameters.start);
   motion_.reset(parameters.motion);
+  rotation_.reset(parameters.rotation);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search);
   input_.reset(parameters.max_step_us);
   clock_.reset(kStepsOfClock * parameters.max_step_us);
@@ -51,7 +52,8 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   StageTimer timer(ticks, report);
   local_map_.begin_frame(image);
   measurement_.begin();
-  work_.begin(work::kMonoFrame + work::kProjection * estimate_.size());
+  work_.begin(work::kMonoFrame + work::kProjection * estimate_.size() + rotation_.work(image));
+  rotation_.take(image);
   const FrameStep step = input_.accept(t_us, health_);
   timer.end(Stage::kPreprocess);
   const bool lost = state() == TrackingState::kLost;
@@ -63,7 +65,7 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
 
 template <class Config>
 Status HandheldTracker<Config>::track(Frame& frame, const FrameStep& step, StageTimer& timer) {
-  Status status = predict(step);
+  Status status = predict(frame, step);
   timer.end(Stage::kPosePrediction);
   measure(frame, SearchPass::kAll);
   timer.end(Stage::kFeatures);
@@ -81,15 +83,27 @@ Status HandheldTracker<Config>::track(Frame& frame, const FrameStep& step, Stage
   return status;
 }
 
+/// With constant velocity and rate; where the whole picture turned otherwise, with its rotation.
 template <class Config>
-Status HandheldTracker<Config>::predict(const FrameStep& step) {
+Status HandheldTracker<Config>::predict(Frame& frame, const FrameStep& step) {
   if (step.us == 0) return Status::kOk;  // the first frame
   if (step.gap) monitor_.note_blind_frames(step.missed);
   Filter& filter = estimate_.filter();
+  const float dt_s = static_cast<float>(step.us) * 1e-6F;
+  const Vector3<float> rate = filter.rate_radps();
+  const bool turned = !step.gap && rotation_.seek(frame, rate, filter.velocity_mps().norm(),
+                                                  filter.typical_inverse_depth(), dt_s);
+  if (turned) motion_.note_rate_change(rotation_.rotation() / dt_s - rate, dt_s);
   const Status set = filter.set_motion_noise(motion_.velocity_noise(), motion_.rate_noise());
   if (!ok(set)) return set;
-  const Status predicted = filter.predict(static_cast<float>(step.us) * 1e-6F);
-  return ok(predicted) && step.gap ? Status::kTimeGap : predicted;
+  const Status predicted = filter.predict(dt_s);
+  if (!ok(predicted)) return predicted;
+  if (turned) {
+    const Status observed =
+        filter.observe_rotation(rotation_.rotation(), rotation_.sigma_rad(), dt_s);
+    if (!ok(observed)) return observed;
+  }
+  return step.gap ? Status::kTimeGap : predicted;
 }
 
 template <class Config>
