@@ -15,6 +15,7 @@ constexpr int kLeastOverlap = kColumns * kRows / 2;  ///< cells
 constexpr float kMostResidual = 12.0F;               ///< grey levels; more counts as so much
 constexpr float kLeastCorrelation = 0.8F;
 constexpr float kConverged = 2e-4F;       ///< rad
+constexpr float kClearly = 0.7F;          ///< squared misfit, relative to the expected one's
 constexpr float kMostStep = 0.2F;         ///< rad
 constexpr float kCorrelatedCells = 4.0F;  ///< errors of neighbours are alike
 constexpr float kLeastSigma = 0.05F;      ///< cells
@@ -210,7 +211,9 @@ bool ImageRotation::align(const PinholeCamera<float>& camera, const Vector3<floa
   if (taken_ < 2) return false;
   const Optics optics = optics_of(camera);
   const Vector3<float> shift = best_shift(optics);
-  Vector3<float> rotation = misfit(optics, shift) < misfit(optics, expected) ? shift : expected;
+  // Where a texture repeats, many shifts fit nearly as well as the expected one.
+  const bool clearly = misfit(optics, shift) < kClearly * misfit(optics, expected);
+  Vector3<float> rotation = clearly ? shift : expected;
   float offset = 0.0F;
   Sums sums;
   Matrix3<float> covariance;

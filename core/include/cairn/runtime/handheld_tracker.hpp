@@ -9,6 +9,7 @@
 #include "cairn/tracking/handheld_map_reuse.hpp"
 #include "cairn/tracking/handheld_rotation.hpp"
 #include "cairn/tracking/motion_noise.hpp"
+#include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/start_trial.hpp"
 
@@ -87,7 +88,9 @@ class HandheldTracker {
   /// Tracks one frame. kInvalidArgument (wrong size), kDuplicate, kTimeBackwards, and kTimeGap for
   /// a stamp that InputClock does not believe: frame refused, `report` and tracker unchanged but
   /// for the counters. Otherwise report.status is kOk, kLowTexture,
-  /// kNoConsensus, kTimeGap or kLost, and the pose is the filter's best.
+  /// kNoConsensus, kTimeGap or kLost, and the pose is the filter's best; or kRepeatedImage: the
+  /// picture has the bytes of the one before, whose pose is reported again, as uncertain, and the
+  /// motion up to the next new picture counts from that one.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report);
 
@@ -121,6 +124,7 @@ class HandheldTracker {
 
   Status track(Frame& frame, const FrameStep& step, StageTimer& timer);
   Status predict(Frame& frame, const FrameStep& step);
+  Status pass_over();
   void note_motion(std::int64_t step_us);
   void measure(Frame& frame, SearchPass pass);
   Status update(Frame& frame, int first, Status status);
@@ -142,6 +146,7 @@ class HandheldTracker {
   HandheldRotation rotation_;
   MapReuse map_reuse_;
   FrameInput input_;
+  RepeatedImage repeated_;
   InputClock clock_;
   FrameWork work_;
   Random random_;

@@ -21,6 +21,7 @@ Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
   rotation_.reset(parameters.rotation);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search);
   input_.reset(parameters.max_step_us);
+  repeated_.reset();
   clock_.reset(kStepsOfClock * parameters.max_step_us);
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
@@ -52,7 +53,14 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   StageTimer timer(ticks, report);
   local_map_.begin_frame(image);
   measurement_.begin();
-  work_.begin(work::kMonoFrame + work::kProjection * estimate_.size() + rotation_.work(image));
+  work_.begin(work::kMonoFrame + work::repeated_image(image.width, image.height) +
+              work::kProjection * estimate_.size() + rotation_.work(image));
+  if (repeated_.take(image)) {
+    this->report(pass_over(), report);
+    report.state = state();
+    timer.end(Stage::kPreprocess);
+    return report.status;
+  }
   rotation_.take(image);
   const FrameStep step = input_.accept(t_us, health_);
   timer.end(Stage::kPreprocess);
@@ -61,6 +69,14 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   if (lost) timer.end(Stage::kFeatures);
   this->report(status, report);
   return status;
+}
+
+/// The pose of this picture is that of the one before; where the camera is now, it does not say.
+template <class Config>
+Status HandheldTracker<Config>::pass_over() {
+  ++health_.repeated_images;
+  monitor_.note_blind_frames(1);
+  return state() == TrackingState::kLost ? Status::kLost : Status::kRepeatedImage;
 }
 
 template <class Config>
