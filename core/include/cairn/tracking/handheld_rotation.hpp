@@ -30,13 +30,14 @@ class HandheldRotation {
     pictures_.reset();
   }
 
-  /// Units of work of take().
-  int work(const ImageView& image) const {
-    return parameters_.used ? work::coarse_image(image.width, image.height) : 0;
-  }
-  /// Takes the picture of each frame, tracked or not.
-  void take(const ImageView& image) {
-    if (parameters_.used) pictures_.take(image);
+  /// Takes the picture of each frame, tracked or not, if the frame's work affords it.
+  void take(FrameContext& frame) {
+    if (!parameters_.used) return;
+    if (frame.work.take(work::coarse_image(frame.image.width, frame.image.height))) {
+      pictures_.take(frame.image);
+    } else {
+      pictures_.reset();
+    }
   }
 
   /// Seeks the rotation since the frame before, `dt_s` ago. True where constant rate is refuted:

@@ -54,14 +54,14 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   local_map_.begin_frame(image);
   measurement_.begin();
   work_.begin(work::kMonoFrame + work::repeated_image(image.width, image.height) +
-              work::kProjection * estimate_.size() + rotation_.work(image));
+              work::kProjection * estimate_.size());
   if (repeated_.take(image)) {
     this->report(pass_over(), report);
     report.state = state();
     timer.end(Stage::kPreprocess);
     return report.status;
   }
-  rotation_.take(image);
+  rotation_.take(frame);
   const FrameStep step = input_.accept(t_us, health_);
   timer.end(Stage::kPreprocess);
   const bool lost = state() == TrackingState::kLost;
