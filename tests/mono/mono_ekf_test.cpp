@@ -58,6 +58,30 @@ TYPED_TEST(MonoEkfContract, MotionNoiseCanBeChangedBetweenPredictions) {
   EXPECT_LT(calm.pose_covariance()(3, 3), filter.pose_covariance()(3, 3));
 }
 
+TYPED_TEST(MonoEkfContract, TakesARotationMeasuredByOtherMeans) {
+  using T = TypeParam;
+  MonoEkf<T, 8> filter;
+  const Vector3<T> turn(T(0.02), T(-0.05), T(0.01));
+  const Vector3<T> sigma(T(0.001), T(0.001), T(0.001));
+  EXPECT_EQ(filter.observe_rotation(turn, sigma, T(0.1)), Status::kNotInitialised);
+  ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), {})));
+  ASSERT_TRUE(ok(filter.predict(T(0.1))));
+  const std::uint64_t before = test::hash_of(filter);
+  const T nan = std::numeric_limits<T>::quiet_NaN();
+  EXPECT_EQ(filter.observe_rotation({nan, T(0), T(0)}, sigma, T(0.1)), Status::kNonFiniteInput);
+  EXPECT_EQ(filter.observe_rotation(turn, Vector3<T>::Zero(), T(0.1)), Status::kInvalidArgument);
+  EXPECT_EQ(filter.observe_rotation(turn, sigma, T(0)), Status::kInvalidArgument);
+  EXPECT_EQ(test::hash_of(filter), before);
+
+  const T uncertain = filter.pose_covariance()(4, 4);
+  ASSERT_EQ(filter.observe_rotation(turn, sigma, T(0.1)), Status::kOk);
+  EXPECT_LT((filter.rate_radps() - turn / T(0.1)).norm(), T(0.01));
+  // The attitude follows the rate to first order, by what both have in common.
+  EXPECT_LT((rotation_log(filter.T_world_camera().rotation) - turn).norm(), T(0.002));
+  EXPECT_LT(filter.pose_covariance()(4, 4), T(2e-6));
+  EXPECT_GT(uncertain, T(1e-4));
+}
+
 TYPED_TEST(MonoEkfContract, RestartsAtAPose) {
   using T = TypeParam;
   using Filter = MonoEkf<TypeParam, 24>;

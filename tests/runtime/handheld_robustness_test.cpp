@@ -101,6 +101,27 @@ TEST_F(HandheldInATrickyPlace, AMovingThingDoesNotTakeItAlong) {
   EXPECT_EQ(report_.state, TrackingState::kTracking);
 }
 
+/// A driver that hands every third picture out twice: the second tells nothing, and no time passes.
+TEST_F(HandheldInATrickyPlace, APictureGivenTwiceIsPassedOver) {
+  for (int k = 0; k <= kWarm; ++k) step(test::two_walls(k), k);
+  std::uint32_t repeated = 0;
+  for (int k = kWarm + 1; k < kWarm + 30; ++k) {
+    const bool again = k % 3 == 0;
+    const Rigid<float> before = report_.T_map_camera;
+    const std::uint32_t used = tracker_->filter().health().innovations_used;
+    const int at = again ? k - 1 : k;
+    step(test::two_walls(at), at);
+    EXPECT_EQ(report_.status, again ? Status::kRepeatedImage : Status::kOk) << k;
+    EXPECT_EQ(report_.state, again ? TrackingState::kUncertain : TrackingState::kTracking) << k;
+    if (!again) continue;
+    EXPECT_EQ(report_.T_map_camera.translation, before.translation);
+    EXPECT_EQ(tracker_->filter().health().innovations_used, used);
+    ++repeated;
+  }
+  EXPECT_EQ(tracker_->health().repeated_images, repeated);
+  EXPECT_LT(worst_jump_, 3.0);
+}
+
 /// Registration error of a resting camera: rms of what a pixel of the map moves from frame to
 /// frame, at the distance of each wall.
 TEST_F(HandheldInATrickyPlace, ARestingCameraDoesNotJitter) {

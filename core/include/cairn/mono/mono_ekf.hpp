@@ -52,6 +52,10 @@ struct FeaturePolicy {
 /// present camera position instead (to first order), so that a new feature never lacks an
 /// anchor. Features of the same frame should be added together.
 ///
+/// Rounding is counted as noise in the prediction, in S and in what an update leaves, so that P
+/// stays positive semi-definite; after each update a part of it is looked at in turn, and what
+/// still had to be mended is counted (Health::covariance_repairs, Health::resets).
+///
 /// Sources: J. Civera, O. Grasa, A. Davison, J. Montiel, "1-Point RANSAC for EKF filtering", 2010;
 /// J. Civera, A. Davison, J. Montiel, "Inverse depth parametrization for monocular SLAM", 2008;
 /// Qi Naixin et al., "1-point RANSAC based on fading memory filtering for attitude estimation with
@@ -90,6 +94,11 @@ class MonoEkf {
   /// Motion noise from the next prediction on (MonoParameters::velocity_noise and rate_noise).
   /// kNonFiniteInput, kInvalidArgument (negative): unchanged.
   Status set_motion_noise(T velocity_noise, T rate_noise);
+  /// Takes the camera's rotation over the step of the last prediction, `dt_s`, as it was measured
+  /// by other means (a rotation vector, camera axes, rad), with its standard deviations. Call it
+  /// between predict() and update(). kNotInitialised, kNonFiniteInput, kInvalidArgument (step or
+  /// deviation not positive): unchanged. Cost: 2 n^2 multiply-adds.
+  Status observe_rotation(const Vector3<T>& rotation, const Vector3<T>& sigma_rad, T dt_s);
   /// Hypotheses of three matches that an update may draw from now on, at most max_triples: for a
   /// frame that can pay for fewer.
   void set_triple_limit(int most) { triple_limit_ = most; }
@@ -154,11 +163,21 @@ class MonoEkf {
   /// deviation. Same errors as feature_position().
   Status feature_inverse_depth(int slot, T& inverse_depth, T& sigma) const;
 
+  /// Median inverse depth of the features that are known to 30 %, 1/m; that of the first features
+  /// while there are fewer than eight.
+  T typical_inverse_depth() const {
+    T inverse_depth = first_inverse_depth_;
+    T sigma = first_inverse_depth_sigma_;
+    expected_inverse_depth(inverse_depth, sigma);
+    return inverse_depth;
+  }
   /// Camera with the focal length as it is estimated.
   PinholeCamera<T> camera() const { return camera_at(x_); }
   /// Standard deviation of the focal length, as a share of it; 0 where it is not estimated.
   T focal_sigma() const;
   const Parameters& parameters() const { return parameters_; }
+  /// Element of the covariance of the whole state. Domain: indices below state_size().
+  T covariance(int i, int j) const { return covariance_(i, j); }
   /// Factor of the last fading: Parameters::fading_factor or what the innovations asked for.
   T last_fading_factor() const { return last_fading_factor_; }
   const Health& health() const { return health_; }
@@ -217,6 +236,9 @@ class MonoEkf {
   void apply_transition(const mono::RotationStep<T>& step, T dt_s, T* v) const;
   void set_process_noise(const mono::RotationStep<T>& step, T dt_s);
   void add_process_noise();
+  void add_rounding_noise(T dt_s);
+  T attitude_variance() const;
+  void inflate_attitude(T variance);
   void fade(T factor, bool keep_process_noise);
   void fading_limits(T* limit) const;
 
@@ -234,10 +256,14 @@ class MonoEkf {
   int evaluate_triple(const PixelMatch<T>* matches, int count, const int* candidates,
                       bool* inliers);
   int mark_inliers(T* x, const PixelMatch<T>* matches, int count, bool* inliers) const;
-  bool fuse(const PixelMatch<T>& match, int pairs, T* delta, T& nis);
+  enum class Fusion : std::uint8_t { kDone, kOutOfView, kSingular };
+  Fusion fuse(const PixelMatch<T>& match, int pairs, T* delta, T& nis);
   void adapt_memory(const PixelMatch<T>* matches, int count, const bool* use);
   int apply(PixelMatch<T>* matches, int count, const bool* use, UpdateReport& report);
   void correct_state(const T* delta);
+  void guard_covariance();
+  bool features_sound(int slot, int other) const;
+  void forget_correlations();
   void rescue(const PixelMatch<T>* matches, int count, bool* rescued) const;
 
   // Features.
@@ -267,6 +293,8 @@ class MonoEkf {
   int anchor_count_ = 0;
   int frame_anchor_ = -1;  ///< anchor of the features added in this frame
   int next_conversion_ = 0;
+  int next_check_ = 0;           ///< pair of features whose covariance is checked next
+  bool unsound_ = false;         ///< an innovation covariance or a correction was impossible
   T innovation_memory_ = T(-1);  ///< strong tracking's V, px^2 per coordinate; negative: none yet
   T last_fading_factor_ = T(1);
   T first_inverse_depth_ = T(1);  ///< of features while the map knows no better, and its deviation
@@ -277,8 +305,10 @@ class MonoEkf {
 
 }  // namespace cairn
 
+#include "cairn/mono/detail/mono_ekf_covariance_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_features_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_measure_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_points_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_predict_impl.hpp"
+#include "cairn/mono/detail/mono_ekf_rotation_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_update_impl.hpp"

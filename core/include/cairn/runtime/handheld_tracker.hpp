@@ -7,7 +7,9 @@
 #include "cairn/tracking/frame_input.hpp"
 #include "cairn/tracking/handheld_local_map.hpp"
 #include "cairn/tracking/handheld_map_reuse.hpp"
+#include "cairn/tracking/handheld_rotation.hpp"
 #include "cairn/tracking/motion_noise.hpp"
+#include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/start_trial.hpp"
 
@@ -15,7 +17,8 @@ namespace cairn {
 
 /// Camera tracking from video alone (paper B): MonoEkf behind the vision front end. The world is
 /// the camera of the first frame; lengths are in the filter's own unit (its initial inverse depth
-/// is 1 / unit). Each frame: predict the pose, measure the features that it expects in view, update
+/// is 1 / unit). Each frame: predict the pose, by what turned the whole picture where that is more
+/// than the filter's motion explains, measure the features that it expects in view, update
 /// the filter with the matches, judge whether the pose holds, keep the map, report.
 ///
 /// Landmarks that are well known are archived in a library. Where nothing of the filter's map is
@@ -59,6 +62,7 @@ class HandheldTracker {
     typename LocalMap::Parameters local_map;
     StartTrial::Parameters start;
     MotionNoise::Parameters motion;  ///< in place of the filter's own noises
+    HandheldRotation::Parameters rotation;
     typename MapReuse::Parameters map_reuse;
     int work_limit = 12000;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
@@ -70,7 +74,8 @@ class HandheldTracker {
     Status validate() const {
       const bool parts = ok(measurement.validate()) && ok(monitor.validate()) &&
                          ok(local_map.validate()) && ok(start.validate()) &&
-                         ok(motion.validate()) && ok(map_reuse.validate());
+                         ok(motion.validate()) && ok(rotation.validate()) &&
+                         ok(map_reuse.validate());
       const bool good = parts && work_limit >= 0 && max_frames_without_mapping >= 0 &&
                         max_step_us > 0 && max_step_us <= FrameInput::kLongestStepUs;
       return good ? Status::kOk : Status::kBadConfig;
@@ -83,7 +88,9 @@ class HandheldTracker {
   /// Tracks one frame. kInvalidArgument (wrong size), kDuplicate, kTimeBackwards, and kTimeGap for
   /// a stamp that InputClock does not believe: frame refused, `report` and tracker unchanged but
   /// for the counters. Otherwise report.status is kOk, kLowTexture,
-  /// kNoConsensus, kTimeGap or kLost, and the pose is the filter's best.
+  /// kNoConsensus, kTimeGap or kLost, and the pose is the filter's best; or kRepeatedImage: the
+  /// picture has the bytes of the one before, whose pose is reported again, as uncertain, and the
+  /// motion up to the next new picture counts from that one.
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report);
 
@@ -116,7 +123,8 @@ class HandheldTracker {
   static constexpr int kStepsOfClock = 4;
 
   Status track(Frame& frame, const FrameStep& step, StageTimer& timer);
-  Status predict(const FrameStep& step);
+  Status predict(Frame& frame, const FrameStep& step);
+  Status pass_over();
   void note_motion(std::int64_t step_us);
   void measure(Frame& frame, SearchPass pass);
   Status update(Frame& frame, int first, Status status);
@@ -135,8 +143,10 @@ class HandheldTracker {
   LocalMap local_map_;
   StartTrial start_;
   MotionNoise motion_;
+  HandheldRotation rotation_;
   MapReuse map_reuse_;
   FrameInput input_;
+  RepeatedImage repeated_;
   InputClock clock_;
   FrameWork work_;
   Random random_;

@@ -52,6 +52,10 @@ class MotionNoise {
     rate_ = rate_radps;
     known_ = true;
   }
+  /// The rate changed by so much within the step that is predicted next, as the pictures show.
+  void note_rate_change(const Vector3<float>& change_radps, float dt_s) {
+    if (dt_s > 0.0F) raise(change_radps.squaredNorm() / (3.0F * dt_s), rate_level_, 1.0F);
+  }
   /// A frame whose motion could not be told: it was more than expected.
   void note_weak() {
     const float growth = parameters_.weak_growth / parameters_.gain;
@@ -72,7 +76,10 @@ class MotionNoise {
 
  private:
   void raise(float squared_change, float& level) const {
-    level *= parameters_.memory;
+    raise(squared_change, level, parameters_.memory);
+  }
+  static void raise(float squared_change, float& level, float memory) {
+    level *= memory;
     if (squared_change > level) level = squared_change;
   }
 

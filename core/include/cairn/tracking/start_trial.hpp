@@ -12,7 +12,7 @@ class StartTrial {
   struct Parameters {
     int blocks = 5;  ///< of frames, that a start is on trial
     int block_frames = 15;
-    float max_misfit = 2.0F;  ///< squared innovations of a block, relative to their covariance
+    float max_misfit = 4.0F;  ///< squared innovations of a block, relative to their covariance
     int max_restarts = 5;
 
     /// kBadConfig unless every value is finite and in its domain.

@@ -46,6 +46,8 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::initialise(const PinholeCamera<T>& c
   anchor_count_ = 0;
   frame_anchor_ = -1;
   next_conversion_ = 0;
+  next_check_ = 0;
+  unsound_ = false;
   innovation_memory_ = T(-1);
   last_fading_factor_ = T(1);
   first_inverse_depth_ = parameters.initial_inverse_depth;
@@ -160,6 +162,7 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::predict(T dt_s) {
   }
   for (int i = 0; i < 4; ++i) x_[layout_.quaternion + i] = step.q(i);
   propagate(step, dt_s);
+  add_rounding_noise(dt_s);
   if (parameters_.fading == FadingMode::kFixed) fade(parameters_.fading_factor, false);
   set_process_noise(step, dt_s);
   add_process_noise();

@@ -73,7 +73,7 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_triple(const PixelMatch<T>* ma
   T x[kMaxStates] = {};
   for (int k = 0; k < 3; ++k) {
     T nis = T(0);
-    if (!fuse(matches[candidates[k]], k, x, nis)) return 0;
+    if (fuse(matches[candidates[k]], k, x, nis) != Fusion::kDone) return 0;
   }
   for (int i = 0; i < covariance_.size(); ++i) x[i] += x_[i];
   return mark_inliers(x, matches, count, inliers);
@@ -137,32 +137,30 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::adapt_memory(const PixelMatch<T>* matc
 
 /// One match of an update, linearised at x: adds its correction to `delta` and leaves its whitened
 /// gain in row 2 * pairs of the scratch, whose rows before are still to be subtracted from P.
-/// False, with nothing added, where it cannot be projected or S is not positive definite.
+/// Otherwise, with nothing added: it cannot be projected, or S is not positive definite. What S
+/// cannot resolve counts as measurement noise.
 template <class T, int MaxFeatures, int MaxAnchors>
-bool MonoEkf<T, MaxFeatures, MaxAnchors>::fuse(const PixelMatch<T>& match, int pairs, T* delta,
-                                               T& nis) {
+typename MonoEkf<T, MaxFeatures, MaxAnchors>::Fusion MonoEkf<T, MaxFeatures, MaxAnchors>::fuse(
+    const PixelMatch<T>& match, int pairs, T* delta, T& nis) {
   const T variance = square(parameters_.sigma_px);
   const int n = covariance_.size();
   Vector2<T> pixel;
   Rows2 rows;
-  if (!ok(linearise(match.slot, pixel, rows))) return false;
+  if (!ok(linearise(match.slot, pixel, rows))) return Fusion::kOutOfView;
   T(*const gain)[kMaxStates] = scratch_ + 2 * pairs;
   mono::multiply(rows, covariance_, gain);
   for (int k = 0; k < pairs; ++k) mono::subtract_pending(rows, scratch_ + 2 * k, n, gain);
   const T nu0 = match.pixel.x() - pixel.x() - rows.dot(0, delta);
   const T nu1 = match.pixel.y() - pixel.y() - rows.dot(1, delta);
-  const T s00 = rows.dot(0, gain[0]) + variance;
+  const T s00 = rows.dot(0, gain[0]) + variance + mono::rounding_noise(rows, 0, covariance_);
   const T s10 = rows.dot(1, gain[0]);
-  const T s11 = rows.dot(1, gain[1]) + variance;
-  T ia = T(0), ib = T(0), ic = T(0);
-  if (!invert_spd2(s00, s10, s11, ia, ib, ic)) {
-    ++health_.innovations_singular;
-    return false;
-  }
+  const T s11 = rows.dot(1, gain[1]) + variance + mono::rounding_noise(rows, 1, covariance_);
   // gain <- L^-1 gain with S = L L^T, so that K nu = gain^T (L^-1 nu).
-  const T l00 = T(1) / sqrt(s00);
+  const T l00 = s00 > T(0) ? T(1) / sqrt(s00) : T(0);
   const T l10 = s10 * l00;
-  const T l11 = T(1) / sqrt(s11 - l10 * l10);
+  const T rest = s11 - l10 * l10;
+  if (!(s00 > T(0)) || !(rest > T(0))) return Fusion::kSingular;
+  const T l11 = T(1) / sqrt(rest);
   const T g0 = nu0 * l00;
   const T g1 = (nu1 - l10 * g0) * l11;
   for (int i = 0; i < n; ++i) {
@@ -171,7 +169,7 @@ bool MonoEkf<T, MaxFeatures, MaxAnchors>::fuse(const PixelMatch<T>& match, int p
     delta[i] += gain[0][i] * g0 + gain[1][i] * g1;
   }
   nis = g0 * g0 + g1 * g1;
-  return true;
+  return Fusion::kDone;
 }
 
 /// Update with the chosen matches, all linearised at the same x: equal to the batch update with H
@@ -185,9 +183,15 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count
   T delta[kMaxStates] = {};
   int pairs = 0;
   int used = 0;
+  covariance_.inflate_diagonal(kRoundingNoise<T>);
   for (int m = 0; m < count; ++m) {
     T nis = T(0);
-    if (!use[m] || !fuse(matches[m], pairs, delta, nis)) continue;
+    const Fusion fusion = use[m] ? fuse(matches[m], pairs, delta, nis) : Fusion::kOutOfView;
+    if (fusion == Fusion::kSingular) {
+      ++health_.innovations_singular;
+      unsound_ = true;
+    }
+    if (fusion != Fusion::kDone) continue;
     report.nis += static_cast<float>(nis);
     report.nis_dof += 2;
     matches[m].inlier = true;
@@ -205,14 +209,22 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count
 }
 
 /// x <- x + delta; then |q| = 1 (P by the Jacobian of the normalisation), inverse depths positive,
-/// focal length possible, variances not negative.
+/// focal length possible. A delta that is not finite changes nothing.
 template <class T, int MaxFeatures, int MaxAnchors>
 void MonoEkf<T, MaxFeatures, MaxAnchors>::correct_state(const T* delta) {
+  bool finite = true;
+  for (int i = 0; i < covariance_.size(); ++i) finite = finite && is_finite(x_[i] + delta[i]);
+  if (!finite) {
+    unsound_ = true;
+    return;
+  }
   for (int i = 0; i < covariance_.size(); ++i) x_[i] += delta[i];
   const Vector<T, 4> q = quaternion_at(x_);
   const T norm = sqrt(q.dot(q));
   if (norm > T(0.1)) {
+    const T before = attitude_variance() / (norm * norm);
     mono::transform_block(covariance_, layout_.quaternion, mono::normalisation_jacobian<T>(q));
+    inflate_attitude(before);
     for (int i = 0; i < 4; ++i) x_[layout_.quaternion + i] = q(i) / norm;
   } else {
     for (int i = 0; i < 4; ++i) x_[layout_.quaternion + i] = i == 0 ? T(1) : T(0);
@@ -226,7 +238,6 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::correct_state(const T* delta) {
     ++health_.depth_repairs;
   }
   if (layout_.focal >= 0) x_[layout_.focal] = clamp(x_[layout_.focal], T(-0.5), T(1));
-  health_.covariance_repairs += static_cast<std::uint32_t>(covariance_.floor_diagonal(T(0)));
 }
 
 /// Matches that the first update left out and that fit the updated state: nu' S^-1 nu below the
@@ -296,6 +307,7 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int c
   }
   health_.innovations_used += static_cast<std::uint32_t>(count - report.gated);
   health_.innovations_gated += static_cast<std::uint32_t>(report.gated);
+  guard_covariance();
   if (layout_.lever >= 0) frame_anchor_ = -1;  // (R - I) lever is an anchor to first order only
   convert_linear_features();
   return Status::kOk;

@@ -4,7 +4,7 @@
 
 #include "cairn/geometry/types.hpp"
 #include "cairn/numeric/multiply_add.hpp"
-#include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/numeric/positive_definite.hpp"
 
 namespace cairn::mono {
 
@@ -186,9 +186,23 @@ Matrix<T, Rows, Rows> quadratic(const SparseRows<T, Rows>& rows, const PackedSym
   return quadratic(rows, rows.run_count, p);
 }
 
+/// What the arithmetic may have changed in (H P H^T)(row, row): kRoundingNoise of its terms.
+template <class T, int Rows, int N>
+T rounding_noise(const SparseRows<T, Rows>& rows, int row, const PackedSymmetric<T, N>& p) {
+  T sum = T(0);
+  int k = 0;
+  for (int run = 0; run < rows.run_count; ++run) {
+    for (int c = 0; c < rows.size[run]; ++c, ++k) {
+      const int at = rows.first[run] + c;
+      sum += square(rows.h[row][k]) * p.row(at)[at];
+    }
+  }
+  return kRoundingNoise<T> * sum;
+}
+
 /// P becomes that of the state whose block [at, at + Rows) is replaced by `rows` * state plus an
-/// independent noise of covariance `noise`; where `at` is the present size, the block is appended.
-/// `scratch` has Rows rows.
+/// independent noise of covariance `noise` and rounding_noise(); where `at` is the present size,
+/// the block is appended. `scratch` has Rows rows.
 template <class T, int Rows, int N>
 void compose_block(PackedSymmetric<T, N>& p, int at, const SparseRows<T, Rows>& rows,
                    const Matrix<T, Rows, Rows>& noise, T (*scratch)[N]) {
@@ -198,6 +212,7 @@ void compose_block(PackedSymmetric<T, N>& p, int at, const SparseRows<T, Rows>& 
     for (int c = 0; c <= r; ++c) {
       diagonal(r, c) = rows.dot(r, scratch[c]) + noise(r, c);
     }
+    diagonal(r, r) += rounding_noise(rows, r, p);
   }
   if (at == p.size()) p.resize(at + Rows);
   for (int r = 0; r < Rows; ++r) {

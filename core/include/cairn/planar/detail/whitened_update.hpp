@@ -1,18 +1,11 @@
 #pragma once
 
+#include "cairn/numeric/positive_definite.hpp"
 #include "cairn/planar/detail/deferred_noise.hpp"
 #include "cairn/planar/detail/low_rank.hpp"
 #include "cairn/planar/observation/linearised_observation.hpp"
 
 namespace cairn::detail {
-
-/// Variance that an update adds to each state, as a share of the state's own: process noise for the
-/// arithmetic. Rounding changes each element of P by up to half an epsilon of its row's and
-/// column's deviations in each of the update's passes; without noise of that size, directions that
-/// are measured for ever fall below what P can resolve beside those that are not, and P becomes
-/// indefinite. Measured: 2 epsilon are too few for 60 landmarks, 4 enough, twice that is taken.
-template <class T>
-inline constexpr T kRoundingNoise = T(8.0 * kEpsilonInDouble<T>);
 
 /// Kalman update of an error model with observations that are all linearised at one mean, one after
 /// the other: the same result as one batch update, without its big matrices. Each observation

@@ -18,8 +18,10 @@ Status HandheldTracker<Config>::initialise(const PinholeCamera<float>& camera,
   local_map_.reset(parameters.local_map);
   start_.reset(parameters.start);
   motion_.reset(parameters.motion);
+  rotation_.reset(parameters.rotation);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search);
   input_.reset(parameters.max_step_us);
+  repeated_.reset();
   clock_.reset(kStepsOfClock * parameters.max_step_us);
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
@@ -51,7 +53,15 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   StageTimer timer(ticks, report);
   local_map_.begin_frame(image);
   measurement_.begin();
-  work_.begin(work::kMonoFrame + work::kProjection * estimate_.size());
+  work_.begin(work::kMonoFrame + work::repeated_image(image.width, image.height) +
+              work::kProjection * estimate_.size());
+  if (repeated_.take(image)) {
+    this->report(pass_over(), report);
+    report.state = state();
+    timer.end(Stage::kPreprocess);
+    return report.status;
+  }
+  rotation_.take(frame);
   const FrameStep step = input_.accept(t_us, health_);
   timer.end(Stage::kPreprocess);
   const bool lost = state() == TrackingState::kLost;
@@ -61,9 +71,17 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   return status;
 }
 
+/// The pose of this picture is that of the one before; where the camera is now, it does not say.
+template <class Config>
+Status HandheldTracker<Config>::pass_over() {
+  ++health_.repeated_images;
+  monitor_.note_blind_frames(1);
+  return state() == TrackingState::kLost ? Status::kLost : Status::kRepeatedImage;
+}
+
 template <class Config>
 Status HandheldTracker<Config>::track(Frame& frame, const FrameStep& step, StageTimer& timer) {
-  Status status = predict(step);
+  Status status = predict(frame, step);
   timer.end(Stage::kPosePrediction);
   measure(frame, SearchPass::kAll);
   timer.end(Stage::kFeatures);
@@ -81,16 +99,28 @@ Status HandheldTracker<Config>::track(Frame& frame, const FrameStep& step, Stage
   return status;
 }
 
+/// With constant velocity and rate; where the whole picture turned otherwise, with its rotation.
 template <class Config>
-Status HandheldTracker<Config>::predict(const FrameStep& step) {
+Status HandheldTracker<Config>::predict(Frame& frame, const FrameStep& step) {
   if (step.us == 0) return Status::kOk;  // the first frame
   monitor_.begin_frame(step.seconds_of_a_frame());
   if (step.gap) monitor_.note_blind_frames(step.missed);
   Filter& filter = estimate_.filter();
+  const float dt_s = static_cast<float>(step.us) * 1e-6F;
+  const Vector3<float> rate = filter.rate_radps();
+  const bool turned = !step.gap && rotation_.seek(frame, rate, filter.velocity_mps().norm(),
+                                                  filter.typical_inverse_depth(), dt_s);
+  if (turned) motion_.note_rate_change(rotation_.rotation() / dt_s - rate, dt_s);
   const Status set = filter.set_motion_noise(motion_.velocity_noise(), motion_.rate_noise());
   if (!ok(set)) return set;
-  const Status predicted = filter.predict(static_cast<float>(step.us) * 1e-6F);
-  return ok(predicted) && step.gap ? Status::kTimeGap : predicted;
+  const Status predicted = filter.predict(dt_s);
+  if (!ok(predicted)) return predicted;
+  if (turned) {
+    const Status observed =
+        filter.observe_rotation(rotation_.rotation(), rotation_.sigma_rad(), dt_s);
+    if (!ok(observed)) return observed;
+  }
+  return step.gap ? Status::kTimeGap : predicted;
 }
 
 template <class Config>
