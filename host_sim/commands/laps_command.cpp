@@ -19,7 +19,7 @@ constexpr int kLapFrames = 2400;
 constexpr double kMostRms_m = 0.15;
 constexpr double kMostNees = 10.0;
 constexpr double kMostGrowth_mb = 2.0;  // after the second lap
-constexpr int kSettled = 2;             // laps until every buffer has its size
+constexpr std::size_t kSettled = 2;     // laps until every buffer has its size
 
 struct Arguments {
   int laps = 50;

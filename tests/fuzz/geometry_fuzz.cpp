@@ -2,6 +2,7 @@
 #include "cairn/ar/plane_fit.hpp"
 #include "cairn/geometry/p3p.hpp"
 #include "cairn/geometry/pose_ransac.hpp"
+#include "cairn/vision/image.hpp"
 
 #include "fuzz_input.hpp"
 
@@ -44,7 +45,9 @@ bool good(const Rigid<T>& pose) {
 template <class T>
 void try_camera(Input& input) {
   const PinholeCamera<T> c = camera<T>(input);
-  if (!ok(c.validate())) return;
+  if (!ok(c.validate()) || c.width > ImageView::kMaxExtent || c.height > ImageView::kMaxExtent) {
+    return;
+  }
   for (int i = 0; i < 8; ++i) {
     Vector2<T> pixel(T(-7), T(-7));
     const Status status = c.project(vector<T>(input, -3.0F, 3.0F), pixel);

@@ -2,7 +2,6 @@
 #include <algorithm>
 
 #include "cairn/runtime/handheld_tracker.hpp"
-#include "cairn/runtime/input_log.hpp"
 
 #include "tracker_scene.hpp"
 
@@ -35,7 +34,7 @@ class Run {
         odd_frame(input);
         break;
       case 4:
-        t_us_ = difference_us(input.time(), -t_us_);
+        t_us_ = later(input.time(), t_us_);
         usual_frame();
         break;
       case 5:
@@ -50,7 +49,7 @@ class Run {
 
  private:
   void usual_frame() {
-    t_us_ = difference_us(t_us_, -kFrameUs);
+    t_us_ = later(t_us_, kFrameUs);
     // There and back, so that every step is small.
     const int at = frame_++ % (2 * kPictures - 2);
     process(picture(at < kPictures ? at : 2 * kPictures - 2 - at));
@@ -58,7 +57,7 @@ class Run {
 
   void odd_frame(Input& input) {
     const OddPicture odd(input);
-    if (input.flag()) t_us_ = difference_us(t_us_, -kFrameUs);
+    if (input.flag()) t_us_ = later(t_us_, kFrameUs);
     process(odd.view());
   }
 

@@ -4,6 +4,9 @@
 #include <vector>
 
 #include "cairn/base/config.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/map/map_file.hpp"
+#include "cairn/runtime/input_log.hpp"
 
 #include "fuzz_input.hpp"
 #include "plane_scene.hpp"
@@ -117,6 +120,14 @@ struct MapBytes {
     std::memcpy(bytes + size - kMapTrailerBytes, encoded, sizeof encoded);
   }
 };
+
+/// `t_us + by_us`, held at the ends of the type.
+inline std::int64_t later(std::int64_t t_us, std::int64_t by_us) {
+  std::int64_t sum = 0;
+  if (!__builtin_add_overflow(t_us, by_us, &sum)) return sum;
+  return by_us > 0 ? std::numeric_limits<std::int64_t>::max()
+                   : std::numeric_limits<std::int64_t>::min();
+}
 
 template <class Object>
 std::uint64_t state_of(const Object& object) {

@@ -3,7 +3,6 @@
 
 #include "cairn/numeric/positive_definite.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/runtime/input_log.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
 
 #include "tracker_scene.hpp"
@@ -49,7 +48,7 @@ class Run {
         odd_frame(input);
         break;
       case 4:
-        t_us_ = difference_us(input.time(), -t_us_);
+        t_us_ = later(input.time(), t_us_);
         usual_frame();
         break;
       case 5:
@@ -67,7 +66,7 @@ class Run {
 
  private:
   void usual_frame() {
-    t_us_ = difference_us(t_us_, -kFrameUs);
+    t_us_ = later(t_us_, kFrameUs);
     OdometrySample sample;
     sample.t_us = t_us_;
     sample.speed_mps = frame_ % kPictures == 0 ? 0.0F : 0.6F;
@@ -77,7 +76,7 @@ class Run {
 
   void wild_odometry(Input& input) {
     OdometrySample sample;
-    sample.t_us = input.flag() ? difference_us(t_us_, -1000) : input.time();
+    sample.t_us = input.flag() ? later(t_us_, 1000) : input.time();
     sample.kind = static_cast<OdometrySample::Kind>(input.below(2));
     sample.speed_mps = input.flag() ? input.wild() : input.number(-3.0F, 3.0F);
     sample.turn = input.flag() ? input.wild() : input.number(-2.0F, 2.0F);
@@ -95,7 +94,7 @@ class Run {
 
   void odd_frame(Input& input) {
     const OddPicture odd(input);
-    if (input.flag()) t_us_ = difference_us(t_us_, -kFrameUs);
+    if (input.flag()) t_us_ = later(t_us_, kFrameUs);
     process(odd.view());
   }
 

@@ -83,9 +83,9 @@ void try_search(Input& input, const ImageView& image) {
   static SearchScratch scratch;
   PixelPrediction<float> prediction;
   prediction.pixel = Vector2<float>(input.number(0.0F, 200.0F), input.number(0.0F, 200.0F));
-  prediction.S(0, 0) = input.number(0.1F, 200.0F);
-  prediction.S(1, 1) = input.number(0.1F, 200.0F);
-  prediction.S(1, 0) = prediction.S(0, 1) = input.number(-1.0F, 1.0F);
+  prediction.covariance(0, 0) = input.number(0.1F, 200.0F);
+  prediction.covariance(1, 1) = input.number(0.1F, 200.0F);
+  prediction.covariance(1, 0) = prediction.covariance(0, 1) = input.number(-1.0F, 1.0F);
   Appearance appearance;
   appearance.has_patch = input.flag();
   for (std::uint8_t& byte : appearance.descriptor.bytes) byte = input.byte();

@@ -1,5 +1,6 @@
 #include "host_sim/io/output_file.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>

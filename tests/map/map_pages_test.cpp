@@ -130,7 +130,7 @@ TEST(MapPages, APowerCutAfterAnyByteLeavesTheOldMapOrTheNew) {
     ASSERT_TRUE(same(found, old_map) || same(found, new_map)) << "cut after " << cut;
     same(found, old_map) ? ++olds : ++news;
   }
-  EXPECT_GT(olds, map_file_bytes(3, 1));
+  EXPECT_GT(olds, static_cast<int>(map_file_bytes(3, 1)));
   EXPECT_GT(news, 0);
 }
 
