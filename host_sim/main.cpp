@@ -1,3 +1,4 @@
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "host_sim/commands/command.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/output_file.hpp"
 
 namespace {
 
@@ -44,6 +46,9 @@ ExitCode run(int argc, char** argv) {
   } catch (const cairn::host::InputError& error) {
     fmt::print(stderr, "cairn_sim: {}\n", error.what());
     return ExitCode::kInputInvalid;
+  } catch (const cairn::host::OutputError& error) {
+    fmt::print(stderr, "cairn_sim: {}\n", error.what());
+    return ExitCode::kOutputFailed;
   }
   return context.exit_code;
 }
@@ -51,6 +56,7 @@ ExitCode run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is an error of writing
   try {
     return static_cast<int>(run(argc, argv));
   } catch (const std::exception& error) {

@@ -1,6 +1,8 @@
 #include "host_sim/commands/command.hpp"
 #include "host_sim/commands/consistency_command.hpp"
 #include "host_sim/commands/info_command.hpp"
+#include "host_sim/commands/inject_command.hpp"
+#include "host_sim/commands/laps_command.hpp"
 #include "host_sim/commands/merge_command.hpp"
 #include "host_sim/commands/relocalisation_command.hpp"
 #include "host_sim/commands/replay_command.hpp"
@@ -17,8 +19,10 @@ void register_commands(CommandContext& context) {
   register_run_command(context);
   register_replay_command(context);
   register_info_command(context);
+  register_inject_command(context);
   register_consistency_command(context);
   register_relocalisation_command(context);
+  register_laps_command(context);
   register_merge_command(context);
   register_robustness_command(context);
   register_timing_command(context);

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/os.h>
 #include <nlohmann/json.hpp>
 
 #include "host_sim/base/statistics.hpp"
@@ -18,6 +17,7 @@
 #include "host_sim/experiments/relocalisation/cut.hpp"
 #include "host_sim/experiments/relocalisation/kidnap.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/reports/build_info.hpp"
 #include "host_sim/reports/run_folder.hpp"
 #include "host_sim/sources/data_sets.hpp"
@@ -84,7 +84,7 @@ nlohmann::json summarise(const std::vector<KidnapTrial>& trials, KidnapKind kind
 }
 
 void write_trials(const std::filesystem::path& folder, const std::vector<KidnapTrial>& trials) {
-  auto file = fmt::output_file((folder / "kidnapped.csv").string());
+  OutputFile file(folder / "kidnapped.csv");
   file.print(
       "kind,frames_blind,start,frames_to_recovery,relocalised,tracking,error_m,"
       "undisturbed_error_m,claimed_squared,jump_squared\n");
@@ -93,6 +93,7 @@ void write_trials(const std::filesystem::path& folder, const std::vector<KidnapT
                t.start, t.frames_to_recovery, t.relocalised ? 1 : 0, t.claimed ? 1 : 0, t.error_m,
                t.undisturbed_error_m, t.claimed_squared, t.jump_squared);
   }
+  file.finish();
 }
 
 nlohmann::json summarise(const std::vector<CutTrial>& trials, bool black, int length) {
@@ -125,7 +126,7 @@ nlohmann::json summarise(const std::vector<CutTrial>& trials, bool black, int le
 }
 
 void write_trials(const std::filesystem::path& folder, const std::vector<CutTrial>& trials) {
-  auto file = fmt::output_file((folder / "cut.csv").string());
+  OutputFile file(folder / "cut.csv");
   file.print(
       "kind,frames_blind,start,library,said_lost,frames_to_recovery,tracking,error_m,"
       "undisturbed_error_m\n");
@@ -134,6 +135,7 @@ void write_trials(const std::filesystem::path& folder, const std::vector<CutTria
                t.library, t.said_lost ? 1 : 0, t.frames_to_recovery, t.tracking ? 1 : 0, t.error_m,
                t.undisturbed_error_m);
   }
+  file.finish();
 }
 
 /// Hand-held trials on a recording. They hold where no recovery is false and every loss is said:

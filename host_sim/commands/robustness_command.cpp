@@ -2,7 +2,6 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <unistd.h>
 
@@ -15,6 +14,7 @@
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/options/run_options.hpp"
 #include "host_sim/reports/build_info.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -51,17 +51,15 @@ void show_progress(int done, int total) {
 void write(const std::filesystem::path& folder, const Arguments& arguments,
            const RobustnessSettings& settings, const std::vector<RobustnessResult>& results,
            const std::string& table) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder, "cannot be created: " + error.message());
+  make_folder(folder);
   nlohmann::json summary = to_json(results, settings);
   const BuildInfo build = build_info();
   summary["command"] = arguments.run.command_line;
   summary["version"] = build.version;
   summary["compiler"] = build.compiler;
   write_windows(folder / "windows.csv", results);
-  std::ofstream(folder / "robustness.json") << summary.dump(2) << '\n';
-  std::ofstream(folder / "robustness.md") << table;
+  write_json(folder / "robustness.json", summary);
+  write_text(folder / "robustness.md", table);
 }
 
 ExitCode run(const Arguments& arguments) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -12,6 +13,7 @@
 
 #include "host_sim/base/names.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/interruption.hpp"
 #include "host_sim/io/suspension.hpp"
 #include "host_sim/reports/report.py.hpp"
 #include "host_sim/reports/run_folder.hpp"
@@ -208,6 +210,12 @@ ExitCode use_source(FrameSource& source, const RunOptions& options) {
   return source.info().damaged ? ExitCode::kInputInvalid : ExitCode::kOk;
 }
 
+ExitCode interrupted_code(const RunRecord& record) {
+  fmt::print(stderr, "cairn_sim: interrupted after {} frames; the results are those of these\n",
+             record.frames.size());
+  return record.interrupted_by == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated;
+}
+
 ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& options) {
   std::unique_ptr<FrameSource> fitting = fit_source(std::move(opened), options);
   if (options.use_source) return use_source(*fitting, options);
@@ -227,6 +235,8 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
     return time_frames({source, frame, *tracker, tracker_settings, options});
   }
 
+  remove_earlier_run(options.out);
+  const InterruptionGuard guard;
   RunnerSettings runner;
   runner.out = options.out;
   runner.video = options.video;
@@ -239,6 +249,7 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   }
   FrameSource& input = recording ? *recording : source;
   const RunRecord record = run_frames(input, frame, *tracker, runner);
+  if (recording) recording->finish();
   const RegistrationResult registration =
       evaluate_registration(record.registration_input, source.info().camera,
                             registration_settings(source.info(), tracker_settings.mode));
@@ -248,6 +259,8 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   summary["input"] = {{"frames_expected", expected ? nlohmann::json(*expected) : nullptr},
                       {"warnings", source.info().warnings},
                       {"damaged", source.info().damaged}};
+  summary["interrupted_by"] =
+      record.interrupted_by == 0 ? nlohmann::json(nullptr) : nlohmann::json(record.interrupted_by);
 
   write_manifest(options.out, {options.command_line, tracker_settings, options.source},
                  source.info(), record);
@@ -265,6 +278,7 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
     fmt::print("report: {}\n", (options.out / "report.html").string());
   }
   say_warnings(source.info(), warnings_said);
+  if (record.interrupted_by != 0) return interrupted_code(record);
   return source.info().damaged ? ExitCode::kInputInvalid : ExitCode::kOk;
 }
 

@@ -4,9 +4,9 @@
 
 #include <Eigen/SVD>
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/io/text_file.hpp"
 
 namespace cairn::host {
@@ -101,13 +101,14 @@ std::vector<Rigid<double>> read_kitti_poses(const std::filesystem::path& path) {
 }
 
 void write_tum(const std::filesystem::path& path, const std::vector<TimedPose>& poses) {
-  auto file = fmt::output_file(path.string());
+  OutputFile file(path);
   for (const TimedPose& timed : poses) {
     const Vector3<double>& p = timed.pose.translation;
     const Quaternion<double>& q = timed.pose.rotation;
     file.print("{}.{:06d} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", timed.t_us / 1000000,
                timed.t_us % 1000000, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
   }
+  file.finish();
 }
 
 }  // namespace cairn::host

@@ -113,7 +113,9 @@ def main():
         f"<div class='side'>{field}{draw_errors(samples, error, summary['nees'] is not None)}</div>"
         f"<h2>Figures</h2>{table(summary)}<p>{html.escape(manifest['command'])}</p>"
     )
-    (folder / "report.html").write_text(page, encoding="utf-8")
+    part = folder / "report.html.part"
+    part.write_text(page, encoding="utf-8")
+    part.replace(folder / "report.html")
 
 
 if __name__ == "__main__":

@@ -3,12 +3,12 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include "cairn/base/hash.hpp"
 #include "cairn/numeric/math.hpp"
 
 #include "host_sim/base/names.hpp"
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/recorded/draw_recorded.py.hpp"
 #include "host_sim/reports/latency.hpp"
 #include "host_sim/reports/run_folder.hpp"
@@ -42,9 +42,9 @@ std::string tum_line(double t_s, const Eigen::Vector2d& position, double heading
 }
 
 void write_trajectories(const RecordedRun& run, const fs::path& out) {
-  auto trajectory = fmt::output_file((out / "trajectory.tum").string());
-  auto truth = fmt::output_file((out / "truth.tum").string());
-  auto samples = fmt::output_file((out / "samples.csv").string());
+  OutputFile trajectory(out / "trajectory.tum");
+  OutputFile truth(out / "truth.tum");
+  OutputFile samples(out / "samples.csv");
   samples.print("t_s,x_m,y_m,heading_rad,true_x_m,true_y_m,true_heading_rad,nees\n");
   for (const auto& sample : run.samples) {
     const Eigen::Vector2d& p = sample.pose.position;
@@ -59,10 +59,13 @@ void write_trajectories(const RecordedRun& run, const fs::path& out) {
       samples.print(",,,,\n");
     }
   }
+  trajectory.finish();
+  truth.finish();
+  samples.finish();
 }
 
 void write_map(const Recording& recording, const RecordedRun& run, const fs::path& out) {
-  auto file = fmt::output_file((out / "landmarks.csv").string());
+  OutputFile file(out / "landmarks.csv");
   file.print("id,x_m,y_m,z_m,var_x_m2,cov_xy_m2,var_y_m2,true_x_m,true_y_m\n");
   for (const auto& landmark : run.landmarks) {
     const Eigen::Matrix2d& c = landmark.covariance;
@@ -75,12 +78,13 @@ void write_map(const Recording& recording, const RecordedRun& run, const fs::pat
       file.print(",\n");
     }
   }
+  file.finish();
 }
 
 /// A step's odometry is the paper's prediction, its scan the paper's pose update; there is no
 /// image.
 void write_frames(const RecordedRun& run, const fs::path& out) {
-  auto file = fmt::output_file((out / "frames.csv").string());
+  OutputFile file(out / "frames.csv");
   file.print("{}", kFramesHeader);
   int frame = 0;
   for (const auto& step : run.steps) {
@@ -89,6 +93,7 @@ void write_frames(const RecordedRun& run, const fs::path& out) {
                1e-3 * step.scan_us, 1e-3 * (step.predict_us + step.scan_us), step.sightings,
                step.matches, step.used, step.landmarks);
   }
+  file.finish();
 }
 
 json with_budget(const std::vector<double>& values_ms, double budget_ms) {
@@ -212,6 +217,7 @@ void write_recorded_run(const Recording& recording, const RecordedRunOptions& op
                         const RecordedRun& run, const std::string& command_line,
                         const fs::path& out) {
   make_folder(out);
+  remove_earlier_run(out);
   write_manifest(recording, options, command_line, out);
   write_trajectories(run, out);
   write_map(recording, run, out);

@@ -1,5 +1,6 @@
 """Makes report.html of a run: python3 report.py FOLDER. Reads only the run's own files."""
 import base64
+import contextlib
 import csv
 import glob
 import html
@@ -32,6 +33,20 @@ plt.rcParams.update({
     "text.color": INK, "xtick.color": MUTED, "ytick.color": MUTED, "legend.frameon": False,
     "svg.fonttype": "none", "svg.hashsalt": "cairn", "figure.constrained_layout.use": True,
 })
+
+
+@contextlib.contextmanager
+def whole_file(path):
+    """A text file that gets its name when it is complete."""
+    part = path + ".part"
+    try:
+        with open(part, "w", encoding="utf-8") as file:
+            yield file
+        os.replace(part, path)
+    except BaseException:
+        if os.path.exists(part):
+            os.remove(part)
+        raise
 
 
 def read_csv(path):
@@ -266,7 +281,7 @@ def main(folder):
               f"<p class='muted'>cairn {shown(manifest['version'])} &middot; {shown(manifest['compiler'])}"
               f" &middot; {shown(manifest['cpu'])}<br>log hash <code>{shown(summary['log_hash'])}</code></p>"]
     title = shown(manifest["source"]["name"])
-    with open(folder + "/report.html", "w", encoding="utf-8") as file:
+    with whole_file(folder + "/report.html") as file:
         file.write("<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' "
                    "content='width=device-width, initial-scale=1'>"
                    f"<title>Cairn: {title}</title><style>{STYLE}</style>" + "\n".join(parts) + "</html>\n")

@@ -17,18 +17,34 @@ using nlohmann::json;
 void make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder, "cannot be created: " + error.message());
+  if (error) throw OutputError(folder, "cannot be created: " + error.message());
+}
+
+void remove_earlier_run(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> old;
+  for (const char* name :
+       {"report.html", "overlay.mp4", "overlay.avi", "overlay.part.mp4", "overlay.part.avi",
+        "summary.json", "frames.csv", "tracking.csv", "trajectory.tum", "truth.tum", "samples.csv",
+        "landmarks.csv", "manifest.json"}) {
+    old.push_back(folder / name);
+    old.push_back(part_of(folder / name));
+  }
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const bool picture = name.rfind("overlay-", 0) == 0 &&
+                         name.find_first_not_of("0123456789", 8) == 14 &&
+                         (name.substr(14) == ".jpg" || name.substr(14) == ".jpg.part");
+    if (picture) old.push_back(entry.path());
+  }
+  for (const std::filesystem::path& path : old) {
+    std::filesystem::remove(path, error);
+    if (error) throw OutputError(path, "an earlier run's cannot be removed: " + error.message());
+  }
 }
 
 void write_json(const std::filesystem::path& path, const json& value) {
   write_text(path, value.dump(2) + '\n');
-}
-
-void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream file(path);
-  file << text;
-  file.close();
-  if (!file) throw InputError(path, "cannot be written");
 }
 
 void write_manifest(const std::filesystem::path& folder, const Manifest& manifest) {

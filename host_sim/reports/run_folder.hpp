@@ -8,19 +8,23 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host_sim/io/output_file.hpp"
+
 namespace cairn::host {
 
-/// What every command writes into its folder of results. Each throws InputError, naming the file,
-/// where it cannot be written.
+/// What every command writes into its folder of results. Each throws OutputError, naming the file,
+/// where it cannot be written; a file is then not there.
 
 /// Creates `folder` and those above it.
 void make_folder(const std::filesystem::path& folder);
 
+/// Removes what an earlier run left in `folder`: the files that a run writes (docs/reference/
+/// outputs.md) and their parts, so that none of them stands beside this run's. Others are left
+/// alone.
+void remove_earlier_run(const std::filesystem::path& folder);
+
 /// `value` as indented text in `path`.
 void write_json(const std::filesystem::path& path, const nlohmann::json& value);
-
-/// `text` as it is.
-void write_text(const std::filesystem::path& path, const std::string& text);
 
 /// How a result came about.
 struct Manifest {

@@ -5,11 +5,11 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/base/names.hpp"
 #include "host_sim/base/statistics.hpp"
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/reports/latency.hpp"
 #include "host_sim/reports/run_folder.hpp"
@@ -160,8 +160,8 @@ void write_manifest(const std::filesystem::path& folder, const RunIdentity& iden
 
 void write_frames(const std::filesystem::path& folder, const RunRecord& record,
                   const RegistrationResult& registration) {
-  auto frames = fmt::output_file((folder / "frames.csv").string());
-  auto tracking = fmt::output_file((folder / "tracking.csv").string());
+  OutputFile frames(folder / "frames.csv");
+  OutputFile tracking(folder / "tracking.csv");
   frames.print("{}", kFramesHeader);
   tracking.print(
       "frame,t_us,state,searched,hypotheses,low_innovation,high_innovation,gated,added,removed,"
@@ -180,6 +180,8 @@ void write_frames(const std::filesystem::path& folder, const RunRecord& record,
                    r.from_library, r.relocalised ? 1 : 0, r.update.nis, r.update.nis_dof,
                    field(frame.nees));
   }
+  frames.finish();
+  tracking.finish();
 }
 
 void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, Mode mode) {
@@ -194,7 +196,7 @@ void write_trajectories(const std::filesystem::path& folder, const RunRecord& re
 }
 
 void write_landmarks(const std::filesystem::path& folder, const RunRecord& record) {
-  auto file = fmt::output_file((folder / "landmarks.csv").string());
+  OutputFile file(folder / "landmarks.csv");
   file.print("id,active,x,y,z,sigma_x,sigma_y,sigma_z\n");
   for (const MapLandmark& landmark : record.landmarks) {
     const Vector3<double> sigma = landmark.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
@@ -202,6 +204,7 @@ void write_landmarks(const std::filesystem::path& folder, const RunRecord& recor
                landmark.active ? 1 : 0, landmark.p_map.x(), landmark.p_map.y(), landmark.p_map.z(),
                sigma.x(), sigma.y(), sigma.z());
   }
+  file.finish();
 }
 
 /// How much of what is seen from the second lap on was first seen in an earlier one: by sighting

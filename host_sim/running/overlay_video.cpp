@@ -2,6 +2,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "host_sim/io/output_file.hpp"
+
 namespace cairn::host {
 namespace {
 
@@ -19,14 +21,17 @@ OverlayVideo::OverlayVideo(const std::filesystem::path& folder, double frame_rat
                            const cv::Size& size) {
   for (const Encoder& encoder : kEncoders) {
     const std::filesystem::path path = folder / encoder.file;
+    std::filesystem::path part = path;
+    part.replace_extension(".part" + path.extension().string());
     const int code =
         cv::VideoWriter::fourcc(encoder.code[0], encoder.code[1], encoder.code[2], encoder.code[3]);
     // Encoders want even sides.
-    if (writer_.open(path.string(), code, frame_rate_hz, {size.width & ~1, size.height & ~1})) {
+    if (writer_.open(part.string(), code, frame_rate_hz, {size.width & ~1, size.height & ~1})) {
       path_ = path;
+      part_ = part;
       return;
     }
-    std::filesystem::remove(path);
+    std::filesystem::remove(part);
   }
 }
 
@@ -56,6 +61,26 @@ cv::Mat OverlayVideo::captioned(const cv::Mat& colour, const std::string& captio
   cv::putText(picture, caption, at, cv::FONT_HERSHEY_SIMPLEX, size, {255, 255, 255}, 1,
               cv::LINE_AA);
   return picture;
+}
+
+OverlayVideo::~OverlayVideo() {
+  if (part_.empty()) return;
+  writer_.release();
+  std::error_code ignored;
+  std::filesystem::remove(part_, ignored);
+}
+
+void OverlayVideo::finish() {
+  if (part_.empty()) return;
+  writer_.release();
+  // The encoder does not say that the disk was full.
+  if (!cv::VideoCapture(part_.string()).isOpened()) {
+    throw OutputError(path_, "cannot be written: what the disk took is no video");
+  }
+  std::error_code error;
+  std::filesystem::rename(part_, path_, error);
+  if (error) throw OutputError(path_, "cannot be written: " + error.message());
+  part_.clear();
 }
 
 void OverlayVideo::write(const cv::Mat& picture) {

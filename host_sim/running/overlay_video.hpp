@@ -18,12 +18,20 @@ class OverlayVideo {
   /// A picture in colour with a line of text in its lower left corner, drawn into it.
   static cv::Mat captioned(const cv::Mat& colour, const std::string& caption);
 
+  ~OverlayVideo();
+  OverlayVideo(const OverlayVideo&) = delete;
+  OverlayVideo& operator=(const OverlayVideo&) = delete;
+
   void write(const cv::Mat& picture);
+  /// Gives the video its name; until then it is written as overlay.part.mp4 or .avi, and without
+  /// it nothing is left. Throws OutputError where what was written is no video: the disk is full.
+  void finish();
   /// Empty when no encoder was found.
   const std::filesystem::path& path() const { return path_; }
 
  private:
   std::filesystem::path path_;
+  std::filesystem::path part_;
   cv::VideoWriter writer_;
 };
 

@@ -19,6 +19,8 @@
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/base/names.hpp"
+#include "host_sim/io/interruption.hpp"
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/render/shaded_object.hpp"
 #include "host_sim/running/overlay_video.hpp"
 #include "host_sim/trackers/host_ticks.hpp"
@@ -83,7 +85,8 @@ class FrameLoop {
   RunRecord run(Frame& frame) {
     do {
       process(frame);
-    } while (source_.next(frame));
+    } while (interrupted() == 0 && source_.next(frame));
+    record_.interrupted_by = interrupted();
     record_.landmarks = tracker_.landmarks();
     record_.library_size = tracker_.library_size();
     record_.lap_frames = source_.info().lap_frames;
@@ -91,7 +94,10 @@ class FrameLoop {
     record_.health = tracker_.health();
     record_.tracker = tracker_.description();
     record_.log_hash = hash_.value();
-    if (video_ != nullptr) record_.overlay = video_->path();
+    if (video_ != nullptr) {
+      video_->finish();
+      record_.overlay = video_->path();
+    }
     return std::move(record_);
   }
 
@@ -191,7 +197,9 @@ class FrameLoop {
     if (keep) {
       const std::filesystem::path path =
           settings_.out / fmt::format("overlay-{:06d}.jpg", frame.number);
-      cv::imwrite(path.string(), picture);
+      std::vector<std::uint8_t> bytes;
+      cv::imencode(".jpg", picture, bytes);
+      write_text(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
       record_.pictures.push_back(path);
     }
   }

@@ -42,6 +42,7 @@ struct RunRecord {
   Health health;
   nlohmann::json tracker;
   std::uint64_t log_hash = 0;
+  int interrupted_by = 0;                       ///< signal after which no frame was begun, else 0
   std::filesystem::path overlay;                ///< empty without video
   std::vector<std::filesystem::path> pictures;  ///< overlay frames for the report
 };
@@ -55,7 +56,8 @@ struct RunnerSettings {
 };
 
 /// Drives `tracker` over `first` and the rest of `source`. Writes the overlay video and its
-/// pictures into `settings.out`; shows progress where standard error is a terminal.
+/// pictures into `settings.out`; ends early where a signal came (InterruptionGuard); shows progress
+/// where standard error is a terminal.
 RunRecord run_frames(FrameSource& source, Frame& first, Tracker& tracker,
                      const RunnerSettings& settings);
 

@@ -3,10 +3,10 @@
 #include <ctime>
 
 #include <fmt/format.h>
-#include <fmt/os.h>
 
 #include "host_sim/base/names.hpp"
 #include "host_sim/base/statistics.hpp"
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/io/python_script.hpp"
 #include "host_sim/reports/latency.hpp"
 #include "host_sim/reports/run_folder.hpp"
@@ -147,7 +147,7 @@ json instructions_json(const std::vector<FrameInstructions>& frames) {
 
 void write_times(const std::filesystem::path& folder, const RunRecord& record,
                  const std::vector<double>& cpu_ms) {
-  auto out = fmt::output_file((folder / "frame_times.csv").string());
+  OutputFile out(folder / "frame_times.csv");
   out.print(
       "frame,preprocess_ms,pose_prediction_ms,features_ms,pose_update_ms,render_ms,total_ms,cpu_"
       "ms\n");
@@ -157,6 +157,7 @@ void write_times(const std::filesystem::path& folder, const RunRecord& record,
     for (const double ms : frame.stage_ms) out.print(",{:.4f}", ms);
     out.print(",{:.4f},{:.4f}\n", frame.total_ms, cpu_ms[i]);
   }
+  out.finish();
 }
 
 void write_counts(const std::filesystem::path& folder,
@@ -164,13 +165,14 @@ void write_counts(const std::filesystem::path& folder,
   const std::filesystem::path path = folder / "frame_instructions.csv";
   std::filesystem::remove(path);  // an earlier run's
   if (frames.empty()) return;
-  auto out = fmt::output_file(path.string());
+  OutputFile out(path);
   out.print("frame,preprocess,pose_prediction,features,pose_update,render,total\n");
   for (std::size_t i = 0; i < frames.size(); ++i) {
     out.print("{}", i);
     for (const double stage : frames[i].stages) out.print(",{:.0f}", stage);
     out.print(",{:.0f}\n", frames[i].total);
   }
+  out.finish();
 }
 
 std::string millions(const json& instructions, const char* stage, const char* what) {

@@ -9,6 +9,7 @@
 #include "host_sim/replay/scene_objects.hpp"
 #include "host_sim/trackers/fading.hpp"
 #include "host_sim/trackers/host_ticks.hpp"
+#include "host_sim/trackers/state_hash.hpp"
 
 namespace cairn::host {
 namespace {
@@ -34,6 +35,14 @@ class HandheldAdapter : public Tracker {
     }
   }
 
+  HandheldAdapter(const HandheldAdapter& other)
+      : Tracker(other),
+        core_(std::make_unique<Core>(*other.core_)),
+        objects_(other.objects_),
+        fading_(other.fading_),
+        measurement_(other.measurement_) {}
+  HandheldAdapter& operator=(const HandheldAdapter&) = delete;
+
   Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) override {
     const Status status =
         core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
@@ -43,6 +52,12 @@ class HandheldAdapter : public Tracker {
     }
     return status;
   }
+
+  Status set_work_limit(int units) override { return core_->set_work_limit(units); }
+  std::unique_ptr<Tracker> clone() const override {
+    return std::make_unique<HandheldAdapter>(*this);
+  }
+  std::uint64_t state_hash() const override { return hash_of_state(*core_); }
 
   std::vector<MapLandmark> landmarks() const override {
     std::vector<MapLandmark> all;

@@ -75,8 +75,8 @@ InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& so
 }
 
 bool RecordingSource::Sink::write(const std::uint8_t* bytes, int count) {
-  stream.write(reinterpret_cast<const char*>(bytes), count);
-  return static_cast<bool>(stream);
+  file.write({reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(count)});
+  return true;
 }
 
 RecordingSource::RecordingSource(FrameSource& source, std::filesystem::path path,
@@ -85,7 +85,7 @@ RecordingSource::RecordingSource(FrameSource& source, std::filesystem::path path
     : source_(source),
       path_(std::move(path)),
       work_limit_(work_limit.value_or(LogFrame::kOwnWorkLimit)),
-      sink_{std::ofstream(path_, std::ios::binary)},
+      sink_{OutputFile(path_)},
       writer_(sink_) {
   check(writer_.begin(header));
   record(first);
@@ -96,10 +96,15 @@ bool RecordingSource::next(Frame& frame) {
     record(frame);
     return true;
   }
-  check(writer_.end());
-  sink_.stream.flush();
-  if (!sink_.stream) check(Status::kFull);
+  finish();
   return false;
+}
+
+void RecordingSource::finish() {
+  if (finished_) return;
+  finished_ = true;
+  check(writer_.end());
+  sink_.file.finish();
 }
 
 void RecordingSource::record(const Frame& frame) {
@@ -110,9 +115,7 @@ void RecordingSource::record(const Frame& frame) {
 
 void RecordingSource::check(Status status) const {
   if (ok(status)) return;
-  throw InputError(path_, status == Status::kFull
-                              ? "the log cannot be written"
-                              : fmt::format("the run cannot be recorded: {}", to_string(status)));
+  throw InputError(path_, fmt::format("the run cannot be recorded: {}", to_string(status)));
 }
 
 void replay_log(const std::filesystem::path& path, const std::string& config) {

@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <string>
 
 #include "cairn/runtime/input_log.hpp"
 
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/sources/frame_source.hpp"
 #include "host_sim/trackers/tracker.hpp"
 
@@ -17,8 +17,8 @@ namespace cairn::host {
 InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& source,
                              std::int64_t start_us);
 
-/// A source that writes what it hands on into an input log. Throws InputError when the log cannot
-/// be written.
+/// A source that writes what it hands on into an input log. Throws OutputError when the log
+/// cannot be written.
 class RecordingSource : public FrameSource {
  public:
   /// `first` was taken from `source` already. `work_limit`: of each frame, if not the tracker's
@@ -29,10 +29,12 @@ class RecordingSource : public FrameSource {
   const SourceInfo& info() const override { return source_.info(); }
   /// Completes the log after the last frame.
   bool next(Frame& frame) override;
+  /// Completes the log now: it holds what was handed on. Without it nothing is left.
+  void finish();
 
  private:
   struct Sink {
-    std::ofstream stream;
+    OutputFile file;
     bool write(const std::uint8_t* bytes, int count);
   };
 
@@ -44,6 +46,7 @@ class RecordingSource : public FrameSource {
   std::int32_t work_limit_;
   Sink sink_;
   InputLogWriter<Sink> writer_;
+  bool finished_ = false;
 };
 
 /// Replays an input log on the tracker that its header names and prints one line per frame: number,

@@ -46,6 +46,15 @@ class Tracker {
   /// virtual object is drawn into it (stage kRender). Ticks in `report` are those of host_ticks().
   /// The Status is the report's own.
   virtual Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) = 0;
+  /// One sample outside of process(). kInvalidArgument in handheld mode, which takes none.
+  virtual Status add_odometry(const OdometrySample& /*sample*/) { return Status::kInvalidArgument; }
+  /// Units of work that each frame may take from now on. The core's trackers alone.
+  virtual Status set_work_limit(int /*units*/) { return Status::kInvalidArgument; }
+  /// A tracker in the same state that goes its own way from here. The core's trackers alone, others
+  /// give null.
+  virtual std::unique_ptr<Tracker> clone() const { return nullptr; }
+  /// Fingerprint of the estimate: pose, covariance, landmarks, state. The core's trackers alone.
+  virtual std::uint64_t state_hash() const { return 0; }
   virtual std::vector<MapLandmark> landmarks() const = 0;
   virtual int landmark_capacity() const = 0;
   /// Landmarks that the last frame measured.

@@ -14,6 +14,7 @@
 #include "host_sim/trackers/host_ticks.hpp"
 #include "host_sim/trackers/input_log_file.hpp"
 #include "host_sim/trackers/landmark_list.hpp"
+#include "host_sim/trackers/state_hash.hpp"
 
 namespace cairn::host {
 namespace {
@@ -32,6 +33,17 @@ class VehicleAdapter : public Tracker {
     start(0);
   }
 
+  VehicleAdapter(const VehicleAdapter& other)
+      : Tracker(other),
+        core_(std::make_unique<Core>(*other.core_)),
+        header_(other.header_),
+        work_limit_(other.work_limit_),
+        objects_(other.objects_),
+        filter_name_(other.filter_name_),
+        source_name_(other.source_name_),
+        started_(other.started_) {}
+  VehicleAdapter& operator=(const VehicleAdapter&) = delete;
+
   Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) override {
     if (!started_) {
       // The start pose is that of the first frame: odometry before it is not integrated.
@@ -40,7 +52,7 @@ class VehicleAdapter : public Tracker {
     }
     for (const OdometrySample& sample : frame.odometry) {
       // A refused sample is counted in Health; the frame is tracked all the same.
-      static_cast<void>(core_->add_odometry(sample));
+      static_cast<void>(add_odometry(sample));
     }
     const Status status =
         core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
@@ -50,6 +62,13 @@ class VehicleAdapter : public Tracker {
     }
     return status;
   }
+
+  Status add_odometry(const OdometrySample& sample) override { return core_->add_odometry(sample); }
+  Status set_work_limit(int units) override { return core_->set_work_limit(units); }
+  std::unique_ptr<Tracker> clone() const override {
+    return std::make_unique<VehicleAdapter>(*this);
+  }
+  std::uint64_t state_hash() const override { return hash_of_state(*core_); }
 
   std::vector<MapLandmark> landmarks() const override { return landmarks_in_map(*core_); }
 

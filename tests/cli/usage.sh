@@ -35,6 +35,12 @@ for command in "run hall-small" "timing" "turntable --experiment yaw10" "faults"
 done
 expect 2 "--budget-ms|above zero|'-1'" run hall-small --budget-ms -1 --out out
 expect 2 "--scale" run hall-small --scale 2 --out out
+expect 0 "F01  frames dropped|F24" inject --list
+expect 2 "--fault F25|F01 to F24" inject --fault F25
+expect 2 "--from" inject --from 0
+expect 3 "expected more than the 90 frames" inject --brief --frames 80
+expect 2 "--laps" laps --laps 0 --out out
+expect 2 "--width" laps --width 321 --out out
 expect 3 "gt_imu.csv" run starry-night:nowhere --out out
 expect 3 "nowhere" run tum-rgbd:nowhere --out out
 expect 0 "cairn|capacities|landmarks" info

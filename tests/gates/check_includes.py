@@ -42,7 +42,7 @@ HOST_BELOW = {
     "options": "base sources",
     "trackers": "base options io replay sources",
     "evaluation": "base sources",
-    "running": "base render sources trackers evaluation",
+    "running": "base io render sources trackers evaluation",
     "reports": "base io sources trackers evaluation running",
     "timing": "base options io replay sources trackers running reports",
     "recorded": "base options io world trackers evaluation reports",
@@ -50,10 +50,12 @@ HOST_BELOW = {
     "experiments/turntable": "base io world reports",
     "experiments/relocalisation": "base io sources trackers evaluation",
     "experiments/robustness": "base io sources trackers evaluation running",
+    "experiments/faults": "base io world sources trackers evaluation running reports",
+    "experiments/laps": "base io sources trackers",
     "experiments/vision": "io",
     "commands": "base options io world sources trackers evaluation running reports timing recorded "
                 "experiments/consistency experiments/turntable experiments/relocalisation "
-                "experiments/robustness experiments/vision",
+                "experiments/robustness experiments/faults experiments/laps experiments/vision",
     "main.cpp": "io options commands",
 }
 

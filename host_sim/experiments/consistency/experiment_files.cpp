@@ -13,6 +13,7 @@
 #include "host_sim/experiments/consistency/filter.hpp"
 #include "host_sim/experiments/consistency/operation_count.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/io/python_script.hpp"
 #include "host_sim/reports/run_folder.hpp"
 
@@ -29,47 +30,43 @@ namespace fs = std::filesystem;
 
 constexpr int kPartialVersion = 2;
 
-std::ofstream open_for_writing(const fs::path& path) {
-  std::ofstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(fmt::format("{}: cannot be written", path.string()));
-  return file;
-}
-
 json sums_json(const FixedSums& sums) {
   return {{"sums", sums.raw()}, {"clamped", sums.clamped()}};
 }
 
 void write_series(const ExperimentResult& result, const fs::path& path) {
-  std::ofstream file = open_for_writing(path);
-  file << "t_s,filter,nees,rmse_position_m,rmse_heading_rad\n";
+  OutputFile file(path);
+  file.print("t_s,filter,nees,rmse_position_m,rmse_heading_rad\n");
   const SimulationConfig& simulation = result.config.simulation;
   for (int k = 0; k < simulation.steps(); ++k) {
     for (const auto& sums : result.filters) {
-      file << fmt::format("{:.3f},{},{:.6f},{:.6f},{:.8f}\n", (k + 1) * simulation.time_step_s,
-                          sums.filter, sums.nees.mean(k, result.runs_done),
-                          std::sqrt(sums.position_squared.mean(k, result.runs_done)),
-                          std::sqrt(sums.heading_squared.mean(k, result.runs_done)));
+      file.print("{:.3f},{},{:.6f},{:.6f},{:.8f}\n", (k + 1) * simulation.time_step_s, sums.filter,
+                 sums.nees.mean(k, result.runs_done),
+                 std::sqrt(sums.position_squared.mean(k, result.runs_done)),
+                 std::sqrt(sums.heading_squared.mean(k, result.runs_done)));
     }
   }
+  file.finish();
 }
 
 void write_sample(const ExperimentResult& result, const fs::path& path) {
   if (result.sample.empty()) return;
   const SimulatedRun run = simulate_run(result.config.simulation, result.config.seed, 0);
-  std::ofstream file = open_for_writing(path);
-  file << "kind,t_s,x_m,y_m\n";
+  OutputFile file(path);
+  file.print("kind,t_s,x_m,y_m\n");
   for (const auto& landmark : run.landmarks) {
-    file << fmt::format("landmark,0,{:.6f},{:.6f}\n", landmark.x(), landmark.y());
+    file.print("landmark,0,{:.6f},{:.6f}\n", landmark.x(), landmark.y());
   }
   for (std::size_t k = 0; k < run.steps.size(); ++k) {
     const double t = static_cast<double>(k + 1) * result.config.simulation.time_step_s;
     const Eigen::Vector2d& p = run.steps[k].truth.position;
-    file << fmt::format("truth,{:.3f},{:.6f},{:.6f}\n", t, p.x(), p.y());
+    file.print("truth,{:.3f},{:.6f},{:.6f}\n", t, p.x(), p.y());
     for (const auto& path_of : result.sample) {
       const Eigen::Vector2d& q = path_of.poses[k].pose.position;
-      file << fmt::format("{},{:.3f},{:.6f},{:.6f}\n", path_of.filter, t, q.x(), q.y());
+      file.print("{},{:.3f},{:.6f},{:.6f}\n", path_of.filter, t, q.x(), q.y());
     }
   }
+  file.finish();
 }
 
 json configuration_json(const ExperimentConfig& config) {
@@ -114,8 +111,7 @@ void write_partial(const ExperimentResult& result, const fs::path& path) {
     }
     document["sample"].push_back({{"filter", sample.filter}, {"positions", poses}});
   }
-  std::ofstream file = open_for_writing(path);
-  file << document.dump() << '\n';
+  write_text(path, document.dump() + '\n');
 }
 
 void read_sums(const json& from, FixedSums& sums) {

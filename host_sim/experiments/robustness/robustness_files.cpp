@@ -1,14 +1,13 @@
 #include "host_sim/experiments/robustness/robustness_files.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include "host_sim/io/input_error.hpp"
+#include "host_sim/io/output_file.hpp"
 
 namespace cairn::host {
 namespace {
@@ -178,22 +177,22 @@ nlohmann::json to_json(const std::vector<RobustnessResult>& results,
 
 void write_windows(const std::filesystem::path& file,
                    const std::vector<RobustnessResult>& results) {
-  std::ofstream out(file);
-  out << "source,playback,every,first_frame,frames,seed,success,silent,tracked,says_tracking,"
-         "ate_rmse_m,rotation_rmse_deg,attitude_in_3_sigma,losses\n";
+  OutputFile out(file);
+  out.print(
+      "source,playback,every,first_frame,frames,seed,success,silent,tracked,says_tracking,"
+      "ate_rmse_m,rotation_rmse_deg,attitude_in_3_sigma,losses\n");
   for (const RobustnessResult& result : results) {
     for (const WindowResult& w : result.windows) {
       const auto field = [](const std::optional<double>& value) {
         return value.has_value() ? fmt::format("{:.6f}", *value) : std::string();
       };
-      out << fmt::format("\"{}\",{},{},{},{},{},{},{},{:.6f},{:.6f},{},{},{},{}\n", result.source,
-                         direction(w.playback), w.playback.every, w.first_frame, w.frames, w.seed,
-                         w.success ? 1 : 0, w.silent ? 1 : 0, w.tracked, w.sure, field(w.ate_m),
-                         field(w.rotation_deg), field(w.attitude_inside), w.losses);
+      out.print("\"{}\",{},{},{},{},{},{},{},{:.6f},{:.6f},{},{},{},{}\n", result.source,
+                direction(w.playback), w.playback.every, w.first_frame, w.frames, w.seed,
+                w.success ? 1 : 0, w.silent ? 1 : 0, w.tracked, w.sure, field(w.ate_m),
+                field(w.rotation_deg), field(w.attitude_inside), w.losses);
     }
   }
-  out.flush();
-  if (!out) throw InputError(file, "cannot be written");
+  out.finish();
 }
 
 }  // namespace cairn::host

@@ -18,7 +18,7 @@ std::string robustness_table(const std::vector<RobustnessResult>& results);
 nlohmann::json to_json(const std::vector<RobustnessResult>& results,
                        const RobustnessSettings& settings);
 
-/// One line for each window. Throws InputError where `file` cannot be written.
+/// One line for each window. Throws OutputError where `file` cannot be written.
 void write_windows(const std::filesystem::path& file, const std::vector<RobustnessResult>& results);
 
 }  // namespace cairn::host

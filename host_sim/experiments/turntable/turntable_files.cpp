@@ -1,11 +1,10 @@
 #include "host_sim/experiments/turntable/turntable_files.hpp"
 
-#include <fstream>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host_sim/experiments/turntable/draw_turntable.py.hpp"
+#include "host_sim/io/output_file.hpp"
 #include "host_sim/io/python_script.hpp"
 #include "host_sim/reports/run_folder.hpp"
 
@@ -48,14 +47,14 @@ nlohmann::json cell_summary(const TurntableCell& cell) {
 
 void write_runs(const TurntableConfig& config, const std::vector<TurntableCell>& cells,
                 const std::filesystem::path& path) {
-  std::ofstream file(path);
-  file
-      << "condition,variant,seed,yaw_max_deg,yaw_mean_deg,yaw_mse_deg2,yaw_final_deg,"
-         "pitch_mean_deg,attitude_mean_deg,nees,nis_per_dof,focal_factor,displacement_ratio,lost\n";
+  OutputFile file(path);
+  file.print(
+      "condition,variant,seed,yaw_max_deg,yaw_mean_deg,yaw_mse_deg2,yaw_final_deg,"
+      "pitch_mean_deg,attitude_mean_deg,nees,nis_per_dof,focal_factor,displacement_ratio,lost\n");
   for (const TurntableCell& cell : cells) {
     for (std::size_t i = 0; i < cell.runs.size(); ++i) {
       const PointsResult& r = cell.runs[i];
-      file << fmt::format(
+      file.print(
           "\"{}\",\"{}\",{},{:.5f},{:.5f},{:.6f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{:.5f},{:.3f},"
           "{}\n",
           cell.condition, cell.variant, config.seed + i, r.max_yaw_error_deg, r.mean_yaw_error_deg,
@@ -64,21 +63,23 @@ void write_runs(const TurntableConfig& config, const std::vector<TurntableCell>&
           r.lost ? 1 : 0);
     }
   }
+  file.finish();
 }
 
 void write_frames(const std::vector<TurntableCell>& cells, const std::filesystem::path& path) {
-  std::ofstream file(path);
-  file << "condition,variant,t_s,true_yaw_deg,yaw_error_deg,pitch_error_deg,attitude_error_deg,"
-          "nees,nis,nis_dof,features,inliers,fading\n";
+  OutputFile file(path);
+  file.print(
+      "condition,variant,t_s,true_yaw_deg,yaw_error_deg,pitch_error_deg,attitude_error_deg,"
+      "nees,nis,nis_dof,features,inliers,fading\n");
   for (const TurntableCell& cell : cells) {
     for (const PointsFrame& f : cell.runs.front().frames) {
-      file << fmt::format(
-          "\"{}\",\"{}\",{:.3f},{:.4f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{},{},{},{:.4f}\n",
-          cell.condition, cell.variant, f.t_s, f.true_yaw_deg, f.yaw_error_deg, f.pitch_error_deg,
-          f.attitude_error_deg, f.attitude_nees, f.nis, f.nis_dof, f.features, f.inliers,
-          f.fading_factor);
+      file.print("\"{}\",\"{}\",{:.3f},{:.4f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{},{},{},{:.4f}\n",
+                 cell.condition, cell.variant, f.t_s, f.true_yaw_deg, f.yaw_error_deg,
+                 f.pitch_error_deg, f.attitude_error_deg, f.attitude_nees, f.nis, f.nis_dof,
+                 f.features, f.inliers, f.fading_factor);
     }
   }
+  file.finish();
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "host_sim/experiments/vision/describe_image.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 #include <stdexcept>
 
@@ -10,18 +9,13 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/output_file.hpp"
 
 namespace cairn::host {
 namespace {
 
 void require(Status status, const char* what) {
   if (!ok(status)) throw std::runtime_error(fmt::format("{}: {}", what, to_string(status)));
-}
-
-std::ofstream open_for_writing(const std::filesystem::path& file) {
-  std::ofstream out(file);
-  if (!out) throw std::runtime_error(fmt::format("cannot write {}", file.string()));
-  return out;
 }
 
 }  // namespace
@@ -88,18 +82,19 @@ std::string to_hex(const Descriptor& descriptor) {
 }
 
 void write_corners(const std::vector<Corner>& corners, const std::filesystem::path& file) {
-  std::ofstream out = open_for_writing(file);
-  out << "x,y,score\n";
-  for (const Corner& c : corners) out << fmt::format("{},{},{}\n", c.x, c.y, c.score);
+  OutputFile out(file);
+  out.print("x,y,score\n");
+  for (const Corner& c : corners) out.print("{},{},{}\n", c.x, c.y, c.score);
+  out.finish();
 }
 
 void write_features(const std::vector<Feature>& features, const std::filesystem::path& file) {
-  std::ofstream out = open_for_writing(file);
-  out << "x,y,orientation_bin_of_256,descriptor_hex\n";
+  OutputFile out(file);
+  out.print("x,y,orientation_bin_of_256,descriptor_hex\n");
   for (const Feature& f : features) {
-    out << fmt::format("{},{},{},{}\n", f.corner.x, f.corner.y, f.orientation_bin,
-                       to_hex(f.descriptor));
+    out.print("{},{},{},{}\n", f.corner.x, f.corner.y, f.orientation_bin, to_hex(f.descriptor));
   }
+  out.finish();
 }
 
 }  // namespace cairn::host

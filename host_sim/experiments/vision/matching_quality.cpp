@@ -13,6 +13,7 @@
 
 #include "host_sim/experiments/vision/describe_image.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/output_file.hpp"
 
 namespace cairn::host {
 namespace {
@@ -284,11 +285,12 @@ std::vector<QualityResult> measure_matching_quality(const std::filesystem::path&
 }
 
 void write_quality(const std::vector<QualityResult>& results, const std::filesystem::path& file) {
-  std::ofstream out(file);
-  out << "method,group,correct_percent,pairs\n";
+  OutputFile out(file);
+  out.print("method,group,correct_percent,pairs\n");
   for (const QualityResult& r : results) {
-    out << fmt::format("\"{}\",{},{:.1f},{}\n", r.method, r.group, r.correct_percent, r.pairs);
+    out.print("\"{}\",{},{:.1f},{}\n", r.method, r.group, r.correct_percent, r.pairs);
   }
+  out.finish();
 }
 
 std::string quality_table(const std::vector<QualityResult>& results) {

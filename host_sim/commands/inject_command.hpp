@@ -1,0 +1,10 @@
+#pragma once
+
+#include "host_sim/commands/command.hpp"
+
+namespace cairn::host {
+
+/// `cairn_sim inject`: faults put into the inputs of a tracker, and what becomes of them.
+void register_inject_command(CommandContext& context);
+
+}  // namespace cairn::host

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# What a run leaves when it is interrupted, killed or has no room, and beside an earlier run's files:
+# each file whole or not at all, and a word about it.
+. "$(dirname "$0")/support.sh"
+
+check() {
+  "${@:2}" && return
+  fail "$1"
+}
+whole_tables() {
+  local file columns
+  for file in "$work/$1"/*.csv; do
+    [ -e "$file" ] || continue
+    columns=$(head -1 "$file" | tr -cd , | wc -c)
+    awk -F, -v n="$((columns + 1))" 'NF != n {exit 1}' "$file" || return 1
+    [ -z "$(tail -c 1 "$file" | tr -d '\n')" ] || return 1
+  done
+}
+no_parts() { [ -z "$(find "$work/$1" -name '*.part*')" ]; }
+
+# start FOLDER: a run of minutes in the background, its id in `run`, waited for until it tracks.
+start() {
+  (cd "$work" && exec "$sim" run hall-small --max-frames 100000 --no-video --record "$1.log" --out "$1") \
+    >"$work/$1.txt" 2>&1 </dev/null &
+  run=$!
+  for _ in $(seq 600); do
+    [ -n "$(find "$work/$1" -name 'overlay-*.jpg' 2>/dev/null)" ] && return
+    [ -s "$work/$1.log.part" ] && [ "$(stat -c %s "$work/$1.log.part")" -gt 1000000 ] && return
+    sleep 0.1
+  done
+  fail "the run does not begin: $(cat "$work/$1.txt")"
+}
+
+# an interruption: the results of the frames so far, marked; exit code as shells give it
+start term
+kill -TERM "$run"
+wait "$run"
+code=$?
+check "exit code after SIGTERM: $code" [ "$code" -eq 143 ]
+check "the summary is marked" grep -q '"interrupted_by": 15' "$work/term/summary.json"
+check "it says so" grep -q "interrupted after" "$work/term.txt"
+check "whole tables after SIGTERM" whole_tables term
+check "no parts after SIGTERM" no_parts term
+(cd "$work" && "$sim" replay term.log >/dev/null 2>&1 </dev/null) || fail "the log of an interrupted run replays"
+
+# a kill: nothing that looks like results
+start kill
+kill -KILL "$run"
+wait "$run" 2>/dev/null
+check "no summary after SIGKILL" [ ! -e "$work/kill/summary.json" ]
+check "no log after SIGKILL" [ ! -e "$work/kill.log" ]
+check "whole tables after SIGKILL" whole_tables kill
+
+# a full disk, by the limit of a file's size
+output=$(cd "$work" && ulimit -f 4 && "$sim" run hall-small --max-frames 60 --no-video --out full 2>&1 </dev/null)
+code=$?
+check "exit code on a full disk: $code, $output" [ "$code" -eq 4 ]
+check "it names the file: $output" grep -q "full/.*cannot be written" <<<"$output"
+check "no summary on a full disk" [ ! -e "$work/full/summary.json" ]
+check "whole tables on a full disk" whole_tables full
+check "no parts on a full disk" no_parts full
+touch "$work/a-file"
+expect 4 "cannot be created" run hall-small --max-frames 2 --no-video --out a-file/x
+output=$(cd "$work" && ulimit -f 40 && "$sim" run hall-small --max-frames 30 --out video 2>&1 </dev/null)
+code=$?
+check "exit code with no room for the video: $code, $output" [ "$code" -eq 4 ]
+check "no video without room" [ -z "$(find "$work/video" -name 'overlay.*')" ]
+
+# an earlier run's files go, a user's own stay
+expect 0 "log hash" run hall-small --max-frames 12 --out again
+touch "$work/again/overlay-999999.jpg" "$work/again/overlay-mine.jpg" "$work/again/notes.txt" "$work/again/frames.csv.part"
+expect 0 "log hash" run hall-small --max-frames 12 --no-video --out again
+check "an earlier picture is gone" [ ! -e "$work/again/overlay-999999.jpg" ]
+check "an earlier part is gone" [ ! -e "$work/again/frames.csv.part" ]
+check "an earlier video is gone" [ ! -e "$work/again/overlay.mp4" ]
+check "the user's files stay" [ -e "$work/again/overlay-mine.jpg" -a -e "$work/again/notes.txt" ]
+
+# a name with characters that shells and HTML know
+odd="o'\$(touch X);\"<b>&"
+expect 0 "log hash" run hall-small --max-frames 12 --no-video --out "$odd"
+check "no command was run" [ ! -e "$work/X" ]
+if [ -e "$work/$odd/report.html" ]; then
+  check "no HTML of the name" bash -c '! grep -qF "<b>&" "$0"' "$work/$odd/report.html"
+fi
+finish

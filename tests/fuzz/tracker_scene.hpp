@@ -1,0 +1,145 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "cairn/base/config.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/map/map_file.hpp"
+#include "cairn/runtime/input_log.hpp"
+
+#include "fuzz_input.hpp"
+#include "plane_scene.hpp"
+
+namespace cairn::fuzz {
+
+/// Small, so that a frame takes a fraction of a millisecond.
+struct SmallConfig : TinyConfig {
+  static constexpr int kMaxImageWidth = 160;
+  static constexpr int kMaxImageHeight = 120;
+  static constexpr int kLibraryLandmarks = 24;
+  static constexpr int kMaxKeyframes = 4;
+  static constexpr int kRelocalisationFeatures = 32;
+  static constexpr int kRelocalisationMatches = 32;
+};
+
+inline constexpr int kPictures = 24;
+inline constexpr double kStep_m = 0.02;
+inline constexpr std::int64_t kFrameUs = 33333;
+
+inline PinholeCamera<double> scene_camera() {
+  PinholeCamera<double> camera;
+  camera.fx = camera.fy = 130.0;
+  camera.cx = 79.5;
+  camera.cy = 59.5;
+  camera.width = SmallConfig::kMaxImageWidth;
+  camera.height = SmallConfig::kMaxImageHeight;
+  return camera;
+}
+
+/// What a camera sees that moves to the right along a wall.
+inline const std::vector<std::vector<std::uint8_t>>& pictures() {
+  static const std::vector<std::vector<std::uint8_t>> all = [] {
+    const test::PlaneScene wall(2.0, 0.3);
+    std::vector<std::vector<std::uint8_t>> made;
+    for (int i = 0; i < kPictures; ++i) {
+      made.push_back(wall.render(scene_camera(), {Quaternion<double>::Identity(),
+                                                  Vector3<double>(i * kStep_m, 0.0, 0.0)}));
+    }
+    return made;
+  }();
+  return all;
+}
+
+inline ImageView picture(int index) {
+  return test::view(pictures()[static_cast<std::size_t>(index % kPictures)], scene_camera());
+}
+
+/// A picture of the right or a wrong size, of noise or none.
+class OddPicture {
+ public:
+  explicit OddPicture(Input& input)
+      : picture_(width_of(input), height_of(input), 0, input), kind_(input.below(8)) {}
+
+  ImageView view() const {
+    if (kind_ == 0) return {nullptr, picture_.width, picture_.height, picture_.width};
+    if (kind_ == 1) return {picture_.bytes.get(), picture_.width, picture_.height, 0};
+    if (kind_ == 2) return {picture_.bytes.get(), -1, picture_.height, picture_.width};
+    return {picture_.bytes.get(), picture_.width, picture_.height, picture_.stride};
+  }
+
+ private:
+  struct Sized : ExactPicture {
+    Sized(int w, int h, int extra, Input& input) : ExactPicture(w, h, w + extra, input) {}
+  };
+  static int width_of(Input& input) {
+    return input.flag() ? SmallConfig::kMaxImageWidth : 1 + input.below(200);
+  }
+  static int height_of(Input& input) {
+    return input.flag() ? SmallConfig::kMaxImageHeight : 1 + input.below(200);
+  }
+
+  Sized picture_;
+  int kind_;
+};
+
+/// A map in memory.
+struct MapBytes {
+  static constexpr int kRoom = 8192;
+  std::uint8_t bytes[kRoom] = {};
+  int size = 0;
+
+  ByteSink sink() {
+    return {[](void* context, const std::uint8_t* from, int count) {
+              auto* map = static_cast<MapBytes*>(context);
+              if (map->size + count > kRoom) return false;
+              std::memcpy(map->bytes + map->size, from, static_cast<std::size_t>(count));
+              map->size += count;
+              return true;
+            },
+            this};
+  }
+  ByteSource source() {
+    return {
+        [](void* context, std::uint32_t offset, std::uint8_t* to, int count) {
+          auto* map = static_cast<MapBytes*>(context);
+          if (offset + static_cast<std::uint32_t>(count) > static_cast<std::uint32_t>(map->size)) {
+            return false;
+          }
+          std::memcpy(to, map->bytes + offset, static_cast<std::size_t>(count));
+          return true;
+        },
+        this, static_cast<std::uint32_t>(size)};
+  }
+  /// Makes the checksum right after a change: damage that only values can tell.
+  void seal() {
+    if (size < kMapHeaderBytes + kMapTrailerBytes) return;
+    const std::uint32_t crc = detail::crc32(0, bytes, size - kMapTrailerBytes);
+    std::uint8_t encoded[4];
+    detail::encode_u32(crc, encoded);
+    std::memcpy(bytes + size - kMapTrailerBytes, encoded, sizeof encoded);
+  }
+};
+
+/// `t_us + by_us`, held at the ends of the type.
+inline std::int64_t later(std::int64_t t_us, std::int64_t by_us) {
+  std::int64_t sum = 0;
+  if (!__builtin_add_overflow(t_us, by_us, &sum)) return sum;
+  return by_us > 0 ? std::numeric_limits<std::int64_t>::max()
+                   : std::numeric_limits<std::int64_t>::min();
+}
+
+template <class Object>
+std::uint64_t state_of(const Object& object) {
+  Hash64 hash;
+  object.hash(hash);
+  return hash.value();
+}
+
+template <class Pose>
+bool good_pose(const Pose& pose) {
+  return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
+         abs(pose.rotation.norm() - 1.0F) < 1e-2F;
+}
+
+}  // namespace cairn::fuzz

@@ -1,0 +1,214 @@
+// VehicleTracker: calls with arbitrary values in any order, from a cold and a warm start.
+#include <algorithm>
+
+#include "cairn/numeric/positive_definite.hpp"
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/runtime/vehicle_tracker.hpp"
+
+#include "tracker_scene.hpp"
+
+namespace cairn::fuzz {
+namespace {
+
+using Filter = GroupIekfSlam<float, SmallConfig::kMaxLandmarks, 3>;
+using Tracker = VehicleTracker<SmallConfig, Filter>;
+
+/// The camera looks to the left; the vehicle drives along the wall.
+Rigid<float> mount() {
+  return {{0.70710678F, -0.70710678F, 0.0F, 0.0F}, {0.0F, 0.0F, 1.0F}};
+}
+
+Tracker::Start still() {
+  Tracker::Start start;
+  start.covariance = 1e-6F * Matrix3<float>::Identity();
+  return start;
+}
+
+class Run {
+ public:
+  Run() {
+    PROMISE(1, ok(tracker_.initialise(test::to_float(scene_camera()), mount(), still(),
+                                      Tracker::Parameters())));
+  }
+
+  void drive(int frames) {
+    for (int i = 0; i < frames; ++i) usual_frame();
+  }
+
+  void step(Input& input) {
+    switch (input.below(8)) {
+      case 0:
+      case 1:
+        usual_frame();
+        break;
+      case 2:
+        wild_odometry(input);
+        break;
+      case 3:
+        odd_frame(input);
+        break;
+      case 4:
+        t_us_ = later(input.time(), t_us_);
+        usual_frame();
+        break;
+      case 5:
+        limit(input);
+        break;
+      case 6:
+        change_map(input);
+        break;
+      case 7:
+        restart(input);
+        break;
+    }
+    check();
+  }
+
+ private:
+  void usual_frame() {
+    t_us_ = later(t_us_, kFrameUs);
+    OdometrySample sample;
+    sample.t_us = t_us_;
+    sample.speed_mps = frame_ % kPictures == 0 ? 0.0F : 0.6F;
+    add(sample);
+    process(picture(frame_++));
+  }
+
+  void wild_odometry(Input& input) {
+    OdometrySample sample;
+    sample.t_us = input.flag() ? later(t_us_, 1000) : input.time();
+    sample.kind = static_cast<OdometrySample::Kind>(input.below(2));
+    sample.speed_mps = input.flag() ? input.wild() : input.number(-3.0F, 3.0F);
+    sample.turn = input.flag() ? input.wild() : input.number(-2.0F, 2.0F);
+    add(sample);
+  }
+
+  void add(const OdometrySample& sample) {
+    const std::uint64_t before = state_of(tracker_);
+    const NoAllocation none;
+    const Status status = tracker_.add_odometry(sample);
+    const bool refused = status == Status::kNonFiniteInput || status == Status::kInvalidArgument ||
+                         status == Status::kTimeBackwards || status == Status::kNotInitialised;
+    PROMISE(3, !refused || state_of(tracker_) == before);
+  }
+
+  void odd_frame(Input& input) {
+    const OddPicture odd(input);
+    if (input.flag()) t_us_ = later(t_us_, kFrameUs);
+    process(odd.view());
+  }
+
+  void process(const ImageView& image) {
+    const std::uint64_t before = state_of(tracker_);
+    FrameReport report;
+    report.t_us = t_us_ == 7 ? 8 : 7;
+    const std::int64_t untouched = report.t_us;
+    const NoAllocation none;
+    const Status status = tracker_.process_frame(image, t_us_, TickSource(), report);
+    if (report.t_us == untouched) {
+      PROMISE(1, !ok(status));
+      PROMISE(3, state_of(tracker_) == before);
+      return;
+    }
+    PROMISE(4, good_pose(report.T_map_camera) && good_pose(report.T_world_camera));
+    PROMISE(6, report.work <= std::max(limit_, kAlways));
+    PROMISE(6, report.inliers <= report.matches && report.landmarks <= SmallConfig::kMaxLandmarks);
+  }
+
+  void limit(Input& input) {
+    const int units = input.flag() ? static_cast<int>(input.word()) : input.between(0, 12000);
+    const Status status = tracker_.set_work_limit(units);
+    PROMISE(1, ok(status) == (units >= 0));
+    if (ok(status)) limit_ = units;
+  }
+
+  void change_map(Input& input) {
+    MapBytes map;
+    if (!ok(tracker_.save_map(map.sink()))) return;
+    for (int changes = input.below(4); changes > 0 && map.size > 0; --changes) {
+      map.bytes[static_cast<int>(input.word() % static_cast<std::uint32_t>(map.size))] ^=
+          input.byte();
+    }
+    if (input.flag()) map.seal();
+    const std::uint64_t before = state_of(tracker_);
+    MapFileInfo info;
+    const NoAllocation none;
+    const Status status = tracker_.load_map(map.source(), info);
+    PROMISE(3, ok(status) || state_of(tracker_) == before);
+  }
+
+  void restart(Input& input) {
+    PinholeCamera<float> camera = test::to_float(scene_camera());
+    Rigid<float> at = mount();
+    Tracker::Start start = still();
+    Tracker::Parameters parameters;
+    for (int changes = input.below(3); changes > 0; --changes) {
+      float* const numbers[] = {&camera.fx,
+                                &camera.cy,
+                                &camera.k1,
+                                &at.translation.z(),
+                                &at.rotation.w(),
+                                &start.pose.heading,
+                                &start.pose.position.x(),
+                                &start.covariance(0, 0),
+                                &start.covariance(1, 2),
+                                &parameters.sigma_px,
+                                &parameters.odometry.sigma_speed_mps,
+                                &parameters.odometry.wheelbase_m,
+                                &parameters.filter.gate};
+      *numbers[input.below(13)] = input.wild();
+    }
+    start.t_us = input.flag() ? t_us_ : input.time();
+    const std::uint64_t before = state_of(tracker_);
+    const NoAllocation none;
+    const Status status = tracker_.initialise(camera, at, start, parameters);
+    PROMISE(3, ok(status) || state_of(tracker_) == before);
+    if (ok(status)) {
+      t_us_ = start.t_us;
+      limit_ = parameters.work_limit;
+    }
+  }
+
+  void check() const {
+    const Filter& filter = tracker_.filter();
+    const PlanarPose<float> pose = filter.pose();
+    PROMISE(4, pose.position.allFinite() && is_finite(pose.heading));
+    const Matrix3<float> covariance = filter.pose_covariance();
+    PROMISE(4, covariance.allFinite());
+    for (int i = 0; i < 3; ++i) PROMISE(5, covariance(i, i) >= 0.0F);
+    PROMISE(6, filter.landmark_count() <= SmallConfig::kMaxLandmarks);
+    for (int slot = 0; slot < filter.landmark_count(); ++slot) {
+      PROMISE(4, filter.landmark_position(slot).allFinite());
+      const Matrix3<float> own = filter.landmark_covariance(slot);
+      PROMISE(4, own.allFinite());
+      for (int i = 0; i < 3; ++i) PROMISE(5, own(i, i) >= 0.0F);
+    }
+    PROMISE(6, tracker_.library().size() <= SmallConfig::kLibraryLandmarks);
+  }
+
+  /// Prediction and plan, which no limit leaves out.
+  static constexpr int kAlways = 400;
+
+  Tracker tracker_;
+  std::int64_t t_us_ = 0;
+  int frame_ = 0;
+  int limit_ = Tracker::Parameters().work_limit;
+};
+
+}  // namespace
+}  // namespace cairn::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  using namespace cairn::fuzz;
+  count_allocations();
+  static const std::unique_ptr<Run> cold = std::make_unique<Run>();
+  static const std::unique_ptr<Run> warm = [] {
+    auto run = std::make_unique<Run>();
+    run->drive(20);
+    return run;
+  }();
+  Input input(bytes, size);
+  const auto run = std::make_unique<Run>(input.flag() ? *warm : *cold);
+  for (int i = 0; i < 40 && !input.empty(); ++i) run->step(input);
+  return 0;
+}
