@@ -3,6 +3,7 @@
 
 #include "map_slots.h"
 
+#include <algorithm>
 #include <cstring>
 #include <numeric>
 #include <vector>

@@ -2,40 +2,16 @@
 
 #include <new>
 
-#include "config.hpp"
-#include "memory.hpp"
+#include "handheld_object.hpp"
 #include "tracker_calls.hpp"
 
 namespace {
 
 using cairn::Status;
-using cairn::c_api::Config;
 using cairn::c_api::from_c;
 using cairn::c_api::to_c;
 
-using Tracker = cairn::HandheldTracker<Config>;
-
-/// HandheldTracker's library has a capacity of its own.
-constexpr int kLibraryLandmarks = cairn::HandheldLibraryConfig<Config>::kLibraryLandmarks;
-
-}  // namespace
-
-struct cairn_handheld {
-  Tracker tracker;
-  cairn::FrameReport report;
-  cairn::TickSource ticks;
-  cairn_handheld_parameters parameters = {};
-  bool accepted = false;
-};
-
-static_assert(cairn_size_is_current<sizeof(cairn_handheld), CAIRN_HANDHELD_BYTES>(), "");
-static_assert(alignof(cairn_handheld) <= CAIRN_ALIGNMENT, "alignment of the memory handed in");
-static_assert(cairn::c_api::map_bytes<Tracker::Library>(kLibraryLandmarks) ==
-                  CAIRN_HANDHELD_MAP_BYTES,
-              "bytes of a full map");
-static_assert(Config::kMaxFeatures == CAIRN_HANDHELD_MAX_LANDMARKS, "features of the filter");
-
-namespace {
+using Tracker = cairn::c_api::Handheld;
 
 Tracker::Parameters parameters_from(const cairn_handheld_parameters& from) {
   Tracker::Parameters to;

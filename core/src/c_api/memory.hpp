@@ -16,7 +16,7 @@ inline bool fits(const void* memory, std::size_t bytes, std::size_t needed) {
 }  // namespace cairn::c_api
 
 /// The constants of sizes.h against the object: never too small, and not much too large. Where
-/// this fails, enter the size that the message names, rounded up to 512, for both pointer sizes.
+/// this fails, enter a new one there, half a KB above the size that the message names.
 template <std::size_t Size, std::size_t Constant>
 constexpr bool cairn_size_is_current() {
   static_assert(Size <= Constant, "a constant of cairn/c_api/sizes.h is too small");

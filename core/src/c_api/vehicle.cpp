@@ -2,43 +2,18 @@
 
 #include <new>
 
-#include "cairn/planar/group_iekf_slam.hpp"
-
-#include "config.hpp"
-#include "memory.hpp"
 #include "tracker_calls.hpp"
+#include "vehicle_object.hpp"
 
 namespace {
 
 using cairn::Rigid;
 using cairn::Status;
-using cairn::c_api::Config;
 using cairn::c_api::from_c;
 using cairn::c_api::to_c;
 
-using Filter = cairn::GroupIekfSlam<float, Config::kMaxLandmarks, 3>;
-using Tracker = cairn::VehicleTracker<Config, Filter>;
-
-}  // namespace
-
-struct cairn_vehicle {
-  Tracker tracker;
-  cairn::FrameReport report;
-  cairn::TickSource ticks;
-  cairn_vehicle_parameters parameters = {};
-  bool accepted = false;
-};
-
-static_assert(cairn_size_is_current<sizeof(cairn_vehicle), CAIRN_VEHICLE_BYTES>(), "");
-static_assert(alignof(cairn_vehicle) <= CAIRN_ALIGNMENT, "alignment of the memory handed in");
-static_assert(cairn::c_api::map_bytes<Tracker::Library>(Config::kLibraryLandmarks) ==
-                  CAIRN_VEHICLE_MAP_BYTES,
-              "bytes of a full map");
-static_assert(Config::kMaxLandmarks == CAIRN_VEHICLE_MAX_LANDMARKS, "landmarks of the filter");
-static_assert(Config::kMaxImageWidth == CAIRN_MAX_IMAGE_WIDTH, "largest picture");
-static_assert(Config::kMaxImageHeight == CAIRN_MAX_IMAGE_HEIGHT, "largest picture");
-
-namespace {
+using Filter = cairn::c_api::VehicleFilter;
+using Tracker = cairn::c_api::Vehicle;
 
 Tracker::Parameters parameters_from(const cairn_vehicle_parameters& from) {
   Tracker::Parameters to;
