@@ -6,6 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
+#include "cairn/version.hpp"
+
 #include "host_sim/commands/command.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/output_file.hpp"
@@ -33,6 +35,7 @@ std::string join_arguments(int argc, char** argv) {
 
 ExitCode run(int argc, char** argv) {
   CLI::App app{"Cairn on the host: worlds, data sets, experiments and reports", "cairn_sim"};
+  app.set_version_flag("--version", std::string("cairn_sim ") + cairn::kVersion);
   app.require_subcommand(1);
   cairn::host::CommandContext context{app, join_arguments(argc, argv)};
   cairn::host::register_commands(context);

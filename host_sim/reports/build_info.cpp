@@ -2,6 +2,8 @@
 
 #include <fstream>
 
+#include "cairn/version.hpp"
+
 namespace cairn::host {
 namespace {
 
@@ -29,7 +31,7 @@ BuildInfo build_info() {
 #else
   const std::string compiler = "gcc " __VERSION__;
 #endif
-  return {CAIRN_VERSION, compiler, trimmed(CAIRN_FLAGS), cpu_name()};
+  return {kVersion, compiler, trimmed(CAIRN_FLAGS), cpu_name()};
 }
 
 }  // namespace cairn::host

@@ -3,8 +3,8 @@
 
 usage: check_links.py ROOT [SOURCE_FOLDER ...]
 
-Every relative link and picture of README.md, CONTRIBUTING.md and docs/ must lead to a file inside ROOT, and its
-anchor to a heading of that file, by GitHub's rules. Every page of docs/ must be reachable from README.md. Every
+Every relative link and picture of the pages of the top folder, of docs/ and of examples/ must lead to a file inside ROOT, and its
+anchor to a heading of that file, by GitHub's rules. Every one of these pages must be reachable from README.md. Every
 page that a C or C++ source in a SOURCE_FOLDER names (docs/....md) must exist.
 Exit status 1 and one line per fault, FILE:LINE: what is wrong; 2 for a wrong call.
 """
@@ -74,8 +74,8 @@ def links_of(text):
 
 
 def pages_of(root):
-    tops = [root / name for name in ("README.md", "CONTRIBUTING.md") if (root / name).is_file()]
-    return tops + sorted((root / "docs").rglob("*.md"))
+    return [page for top in (root.glob("*.md"), (root / "docs").rglob("*.md"), (root / "examples").rglob("*.md"))
+            for page in sorted(top)]
 
 
 def fault_of(root, page, target, pages):

@@ -12,7 +12,7 @@ import sys
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
 STANDARD = set("""algorithm array atomic cfloat climits cmath cstddef cstdint cstring initializer_list limits
-                  new tuple type_traits utility stdint.h stddef.h""".split())
+                  new tuple type_traits utility stdbool.h stddef.h stdint.h""".split())
 # SIMD of the compiler itself; vision falls back to plain words where there is none.
 INTRINSICS = {"emmintrin.h", "arm_neon.h", "arm_acle.h", "arm_mve.h"}
 EIGEN = {"Eigen/Core", "Eigen/Geometry", "Eigen/Cholesky", "Eigen/LU"}
@@ -30,7 +30,11 @@ BELOW = {
     "ar": "base numeric vision geometry",
     "tracking": "base numeric vision geometry estimation planar mono map",
     "runtime": "base numeric vision geometry estimation planar mono map tracking ar",
+    "c_api": "base numeric vision geometry estimation planar mono map tracking ar runtime",
 }
+# Headers that lie in no module's folder, and the module whose rules hold for them. The version's may be
+# included by every module.
+TOP_HEADERS = {"version.h": "base", "version.hpp": "base", "cairn.h": "c_api"}
 # The same of host_sim's folders. A file stands in the deepest of them that its path names.
 HOST_BELOW = {
     "base": "",
@@ -80,7 +84,7 @@ def core_module(path):
     if "src" in parts:
         return parts[parts.index("src") + 1]
     inside = parts[parts.index("include") + 1:]
-    return inside[1]
+    return TOP_HEADERS.get(inside[1], inside[1])
 
 
 def core_fault(module, quote, name):
@@ -88,6 +92,7 @@ def core_fault(module, quote, name):
         return "the core does not know the port"
     if name.startswith("cairn/"):
         target = name.split("/")[1]
+        target = TOP_HEADERS.get(target, target)
         if target in MODULES.get(module, ()):
             return None
         return f"{module} may not use {target}"

@@ -1,8 +1,22 @@
 #!/usr/bin/env python3
 """check_includes.py refuses an include that leads upwards in host_sim, and nothing else."""
+import pathlib
 import unittest
 
 import check_includes
+
+
+class CoreIncludes(unittest.TestCase):
+    def test_the_c_interface_is_the_top(self):
+        self.assertIsNone(check_includes.core_fault("c_api", '"', "cairn/runtime/replay.hpp"))
+        self.assertIsNone(check_includes.core_fault("c_api", '"', "cairn/cairn.h"))
+        for module in ("base", "runtime", "ar"):
+            self.assertIsNotNone(check_includes.core_fault(module, '"', "cairn/cairn.h"))
+
+    def test_headers_without_a_folder_have_a_module(self):
+        for name, module in [("cairn.h", "c_api"), ("version.hpp", "base")]:
+            path = pathlib.Path("core/include/cairn") / name
+            self.assertEqual(check_includes.core_module(path), module)
 
 
 class HostIncludes(unittest.TestCase):

@@ -3,7 +3,8 @@
 helpers of the compiler, sqrt, fabs and floor. So heap, exceptions, RTTI, libm, stdio and Eigen's
 blocked products cannot slip in, and no object keeps state of its own.
 
-usage: check_symbols.py --nm NM [--no-soft-double] FILE...
+usage: check_symbols.py --nm NM [--no-soft-double] [--with LIBRARY] FILE...
+  --with             a library that was checked itself, and whose symbols may be referred to
   --no-soft-double   the CPU has no double: its emulation may not be in the file (for images)
 """
 import argparse
@@ -47,9 +48,13 @@ def symbols(nm, file):
             yield fields[0], fields[1]
 
 
-def faults(nm, file, is_image, no_soft_double):
+def defined_in(seen):
+    return {name for name, kind in seen if kind not in "Uw"}
+
+
+def faults(nm, file, is_image, no_soft_double, known):
     seen = list(symbols(nm, file))
-    defined = {name for name, kind in seen if kind not in "Uw"}
+    defined = defined_in(seen) | known
     for name in sorted({name for name, kind in seen if kind in "Uw"} - defined):
         if ALLOWED.match(name) or (SOFT_DOUBLE.match(name) and not no_soft_double):
             continue
@@ -73,12 +78,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--nm", default="nm")
     parser.add_argument("--no-soft-double", action="store_true")
+    parser.add_argument("--with", dest="library")
     parser.add_argument("files", nargs="+")
     args = parser.parse_args()
+    known = defined_in(symbols(args.nm, args.library)) if args.library else set()
     count = 0
     for file in args.files:
         is_image = file.endswith(".elf")
-        for fault in faults(args.nm, file, is_image, args.no_soft_double):
+        for fault in faults(args.nm, file, is_image, args.no_soft_double, known):
             print(f"{file}: {fault}")
             count += 1
     print(f"{len(args.files)} files, {count} forbidden symbols")

@@ -62,7 +62,7 @@ class MapLibrary {
     ++revision_;
   }
 
-  /// kNonFiniteInput for NaN or infinity; kInvalidArgument for id 0, a view count outside 1 ..
+  /// kNonFiniteInput for NaN or infinity; kInvalidArgument for id 0, a view count outside 1 to
   /// Views, a focal length that is not positive, a negative variance, a reference rotation that is
   /// not a unit quaternion, a reference camera at the landmark, or more sightings than searches.
   static Status validate(const Landmark& landmark);
