@@ -77,6 +77,17 @@ json nis_json(const RunRecord& record) {
   return {{"mean", sum / count}, {"inside_percent", 100.0 * inside / count}, {"dof", dof / count}};
 }
 
+json monitor_json(const RunRecord& record) {
+  int healthy = 0;
+  for (const FrameRecord& frame : record.frames) healthy += frame.health_score < 1.0F ? 1 : 0;
+  json events = json::array();
+  for (const HealthRecord& event : record.events) {
+    events.push_back(
+        {{"t_us", event.t_us}, {"event", to_string(event.event)}, {"count", event.count}});
+  }
+  return {{"healthy_frames", healthy}, {"last_events", events}};
+}
+
 json registration_json(const RegistrationResult& registration) {
   std::vector<double> values;
   for (const std::optional<double>& px : registration.frame_px) {
@@ -287,6 +298,7 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
             {"library", record.library_size < 0 ? json(nullptr) : json(record.library_size)},
             {"reused", reuse_json(record)}}},
           {"health", to_json(record.health)},
+          {"monitor", monitor_json(record)},
           {"log_hash", fmt::format("{:016x}", record.log_hash)}};
 }
 

@@ -48,6 +48,16 @@ std::optional<double> nees_of(const Matrix3<double>& covariance, const Rigid<dou
   return std::isfinite(nees) && nees >= 0.0 ? std::optional<double>(nees) : std::nullopt;
 }
 
+/// Of a vehicle's pose, or of a hand-held camera's attitude.
+PoseSigma sigma_of(const Tracker& tracker) {
+  if (const auto vehicle = tracker.vehicle_pose(); vehicle.has_value()) {
+    return pose_sigma(vehicle->covariance.cast<float>());
+  }
+  const std::optional<Matrix3<double>> attitude = tracker.attitude_covariance();
+  return {0.0F,
+          attitude.has_value() ? static_cast<float>(std::sqrt(attitude->trace() / 3.0)) : 0.0F};
+}
+
 class Progress {
  public:
   Progress(std::string name, std::optional<int> total, bool wanted)
@@ -79,6 +89,7 @@ class FrameLoop {
         settings_(settings),
         progress_(source.info().name, source.info().frame_count, settings.progress) {
     const int expected = source.info().frame_count.value_or(600);
+    static_cast<void>(monitor_.reset(HealthLimits{}));
     picture_step_ = std::max(1, expected / std::max(1, settings.pictures));
   }
 
@@ -92,6 +103,7 @@ class FrameLoop {
     record_.lap_frames = source_.info().lap_frames;
     record_.landmark_capacity = tracker_.landmark_capacity();
     record_.health = tracker_.health();
+    for (int i = 0; i < monitor_.record_count(); ++i) record_.events.push_back(monitor_.record(i));
     record_.tracker = tracker_.description();
     record_.log_hash = hash_.value();
     if (video_ != nullptr) {
@@ -113,6 +125,9 @@ class FrameLoop {
     for (int i = 0; i < kStageCount; ++i) {
       entry.stage_ms[i] = entry.report.stage_ticks[i] / kHostTicksPerMs;
     }
+    monitor_.note(frame.t_us, entry.report.status, entry.report, tracker_.health(),
+                  sigma_of(tracker_));
+    entry.health_score = monitor_.score();
     entry.true_T_world_camera = frame.true_T_world_camera;
     entry.true_T_world_vehicle = frame.true_T_world_vehicle;
     entry.vehicle = tracker_.vehicle_pose();
@@ -209,6 +224,7 @@ class FrameLoop {
   const RunnerSettings& settings_;
   std::optional<Rigid<double>> T_estimate_truth_;  ///< between the two worlds, from the first pose
   Progress progress_;
+  HealthMonitor monitor_;
   RunRecord record_;
   Hash64 hash_;
   cv::Mat overlay_;

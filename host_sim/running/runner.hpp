@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "cairn/runtime/health_monitor.hpp"
+
 #include "host_sim/evaluation/registration_error.hpp"
 #include "host_sim/sources/frame_source.hpp"
 #include "host_sim/trackers/tracker.hpp"
@@ -24,6 +26,7 @@ struct FrameRecord {
   /// 3 degrees of freedom: of the vehicle's planar pose, or of a hand-held camera's attitude
   /// against that of the first frame with a pose.
   std::optional<double> nees;
+  float health_score = 0.0F;  ///< of HealthMonitor
 
   bool has_pose() const {
     return report.state == TrackingState::kTracking || report.state == TrackingState::kUncertain;
@@ -40,6 +43,7 @@ struct RunRecord {
   int library_size = -1;
   std::optional<int> lap_frames;
   Health health;
+  std::vector<HealthRecord> events;  ///< the last ones, the newest first
   nlohmann::json tracker;
   std::uint64_t log_hash = 0;
   int interrupted_by = 0;                       ///< signal after which no frame was begun, else 0

@@ -41,4 +41,17 @@ struct Health {
   std::uint32_t low_texture_frames = 0;
 };
 
+/// A tracker's counters with those that its filter keeps.
+inline Health with_filter(Health tracker, const Health& filter) {
+  tracker.innovations_used += filter.innovations_used;
+  tracker.innovations_gated += filter.innovations_gated;
+  tracker.innovations_singular += filter.innovations_singular;
+  tracker.ransac_no_consensus += filter.ransac_no_consensus;
+  tracker.covariance_repairs += filter.covariance_repairs;
+  tracker.depth_repairs += filter.depth_repairs;
+  tracker.reacquisitions += filter.reacquisitions;
+  tracker.resets += filter.resets;
+  return tracker;
+}
+
 }  // namespace cairn

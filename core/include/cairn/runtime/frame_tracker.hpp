@@ -144,7 +144,8 @@ class FrameTracker {
     return T_world_map().inverse() * estimate_.T_world_vehicle();
   }
   const TrackedLandmarks<kMaxLandmarks>& landmarks() const { return estimate_.landmarks(); }
-  const Health& health() const { return health_; }
+  /// Of the tracker and of its filter.
+  Health health() const { return with_filter(health_, filter().health()); }
   TrackingState state() const { return monitor_.state(); }
   void hash(Hash64& hash) const;
 

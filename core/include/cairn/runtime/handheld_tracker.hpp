@@ -110,7 +110,8 @@ class HandheldTracker {
 
   const Filter& filter() const { return estimate_.filter(); }
   const PinholeCamera<float>& camera() const { return camera_; }
-  const Health& health() const { return health_; }
+  /// Of the tracker and of its filter.
+  Health health() const { return with_filter(health_, filter().health()); }
   /// Admissions, replacements and refusals of the library.
   const Health& library_health() const { return map_reuse_.archive().health(); }
   const Library& library() const { return map_reuse_.archive().library(); }

@@ -69,7 +69,7 @@ class VehicleTracker {
   Rigid<float> T_world_map() const { return frames_.T_world_map(); }
   /// The vehicle on the floor of the map.
   Rigid<float> T_map_vehicle() const { return frames_.T_map_vehicle(); }
-  const Health& health() const { return frames_.health(); }
+  Health health() const { return frames_.health(); }
   /// Admissions, replacements and refusals of the library.
   const Health& library_health() const { return builder_.health(); }
   TrackingState state() const { return frames_.state(); }
