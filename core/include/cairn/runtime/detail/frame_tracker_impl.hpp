@@ -111,14 +111,17 @@ Status FrameTracker<Config, Filter>::pass_over(Status status) {
 }
 
 /// Searches are paid for with what is left when the update and a step of the relocalisation are.
+/// Without an update they are in vain.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::measure(Frame& frame) {
   const bool relocalises = this->relocalises();
   const int planned = planned_searches();
   const int landmarks = estimate_.size();
+  const bool updates = work_.affords(estimate_.update_work(estimate_.min_inliers()));
   const int units =
-      work_.for_searches(relocalises ? map_reuse_.next_work() : 0,
-                         estimate_.update_work(planned < landmarks ? planned : landmarks));
+      updates ? work_.for_searches(relocalises ? map_reuse_.next_work() : 0,
+                                   estimate_.update_work(planned < landmarks ? planned : landmarks))
+              : 0;
   measurement_.search(frame, estimate_, estimate_.landmarks(), SearchPass::kAll,
                       SearchOrder::kMostUncertain, planned, units, scratch_.search);
 }
