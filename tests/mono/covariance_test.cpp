@@ -1,4 +1,3 @@
-#include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <vector>
@@ -69,10 +68,10 @@ TEST(MonoCovariance, StaysSoundWhileTheCameraStands) {
     }
   }
   ASSERT_TRUE(follower.good);
-  // The noise for the rounding lets the world walk: 0.1 units in an hour.
+  // Nothing ties the world down while the camera stands. An hour walked by 0.1 units.
+  const float most = stand_minutes() > 1 ? 0.15F : 0.05F;
   const Rigid<float> now = follower.filter->T_world_camera();
-  EXPECT_LT((now.translation - stopped.translation).norm(),
-            0.05F * std::sqrt(static_cast<float>(stand_minutes())));
+  EXPECT_LT((now.translation - stopped.translation).norm(), most);
   EXPECT_EQ(follower.filter->health().covariance_repairs, 0U);
   EXPECT_EQ(follower.filter->health().innovations_singular, 0U);
   EXPECT_EQ(follower.filter->health().resets, 0U);
