@@ -4,7 +4,7 @@
 
 #include "cairn/port/files.h"
 
-enum { kHeaderBytes = 136, kOdometryBytes = 20, kFrameHeadBytes = 20, kCrcBytes = 4 };
+enum { kHeaderBytes = 148, kOdometryBytes = 20, kFrameHeadBytes = 20, kCrcBytes = 4 };
 
 static bool get(int32_t file, uint8_t* bytes, uint32_t count) {
   return cairn_file_read(file, bytes, count) == (int32_t)count;

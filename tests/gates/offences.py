@@ -80,7 +80,8 @@ class Scratch:
             "target_sources(cairn_core PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/offence.cpp)\n")
         self.source.write_text(HARMLESS)
         self.run("cmake", "-S", folder, "-B", self.build, "-G", "Ninja", f"--toolchain={toolchain}",
-                 "-DCMAKE_BUILD_TYPE=Release", "-DCAIRN_BUILD_TESTS=OFF", must_pass=True)
+                 "-DCMAKE_BUILD_TYPE=Release", "-DCAIRN_BUILD_TESTS=OFF", "-DCAIRN_BUILD_EXAMPLES=OFF",
+                 "-DCAIRN_INSTALL=OFF", must_pass=True)
 
     def run(self, *command, must_pass=False):
         done = subprocess.run([str(c) for c in command], capture_output=True, text=True)

@@ -81,7 +81,8 @@ TEST_F(VehicleWithoutSight, SeesSoonThatNoiseIsNoPlace) {
     if (k > 6) most_work = std::max(most_work, report_.work);
   }
   EXPECT_FALSE(relocalised_);
-  EXPECT_LT(most_work, Vehicle::Parameters{}.map_reuse.relocalisation.engine.max_capture_work / 2);
+  // Searches come on top, so that a frame that goes through the image takes more.
+  EXPECT_LT(most_work, Vehicle::Parameters{}.map_reuse.relocalisation.engine.max_capture_work);
   stand_before(picture(kDriven - 1), 10, 0.0F);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
 }

@@ -23,6 +23,9 @@ Tracker::Parameters parameters_from(const cairn_vehicle_parameters& from) {
   to.odometry.sample_period_s = from.sample_period_s;
   to.sigma_px = from.sigma_px;
   to.floor.sigma_m = from.floor_sigma_m;
+  to.filter.tilt.sigma_pitch_rad = from.sigma_pitch_rad;
+  to.filter.tilt.sigma_roll_rad = from.sigma_roll_rad;
+  to.filter.tilt.time_constant_s = from.tilt_time_constant_s;
   to.work_limit = from.work_limit;
   to.max_step_us = from.max_step_us;
   to.seed = from.seed;
@@ -51,6 +54,9 @@ cairn_vehicle_parameters cairn_vehicle_default_parameters(void) {
           from.odometry.sample_period_s,
           from.sigma_px,
           from.floor.sigma_m,
+          from.filter.tilt.sigma_pitch_rad,
+          from.filter.tilt.sigma_roll_rad,
+          from.filter.tilt.time_constant_s,
           from.work_limit,
           from.max_step_us,
           from.seed};

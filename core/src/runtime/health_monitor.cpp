@@ -10,7 +10,7 @@ namespace {
 struct CountedEvent {
   HealthEvent event;
   std::uint32_t Health::*counter;
-  const char* name;
+  char name[32];
 };
 
 constexpr CountedEvent kCounted[] = {
@@ -47,8 +47,8 @@ float worse(float a, float b) {
   return !is_finite(a) || a >= b ? a : b;
 }
 
-/// 99.99 % quantile of chi-square by Wilson and Hilferty's approximation: 5 % too large for 2 degrees
-/// of freedom, less than 1 % from 20 on.
+/// 99.99 % quantile of chi-square by Wilson and Hilferty's approximation: 5 % too large for 2
+/// degrees of freedom, less than 1 % from 20 on.
 float chi_square_bound(float dof) {
   constexpr float kNormalQuantile = 3.719F;
   const float variance = 2.0F / (9.0F * dof);

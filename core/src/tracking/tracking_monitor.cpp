@@ -64,7 +64,7 @@ void TrackingMonitor::note_weak_frame(bool could_search, Health& health) {
     weak_s_ += step_s_;
   }
   const bool refuted = probation_ > 0 && could_search;
-  const bool lost = refuted || weak_s_ > parameters_.uncertain_s_to_lost;
+  const bool lost = refuted || weak_s_ >= parameters_.uncertain_s_to_lost;
   if (lost && state_ != TrackingState::kLost) {
     ++(probation_ > 0 ? health.false_relocalisations_refused : health.losses);
     probation_ = 0;

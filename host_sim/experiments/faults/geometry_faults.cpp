@@ -56,8 +56,9 @@ struct PlaneDraw {
 PlaneDraw draw_plane(GaussianRandom& random, double noise_px) {
   constexpr int kSide = 5;
   PlaneDraw draw;
-  const Vector3<float> tilt(static_cast<float>(random.normal(0.3)),
-                            static_cast<float>(random.normal(0.3)), 0.0F);
+  const double about_x = random.normal(0.3);
+  const double about_y = random.normal(0.3);
+  const Vector3<float> tilt(static_cast<float>(about_x), static_cast<float>(about_y), 0.0F);
   const Quaternion<float> rotation = rotation_exp(tilt);
   draw.T_world_camera = {rotation, rotation * Vector3<float>(0.0F, 0.0F, -3.0F)};
   const PinholeCamera<float> camera = some_camera();

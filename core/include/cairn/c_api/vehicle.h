@@ -23,15 +23,18 @@ typedef union cairn_vehicle_memory {
 
 /** The settings that programs change; all others are those of docs/reference/parameters.md. */
 typedef struct cairn_vehicle_parameters {
-  float sigma_speed_mps; /**< standard deviation of a speed reading */
-  float sigma_turn;      /**< of a steering angle, rad, or of a yaw rate, rad/s */
-  float wheelbase_m;     /**< for steering angles alone */
-  float sample_period_s; /**< of the odometry */
-  float sigma_px;        /**< standard deviation of a measured pixel */
-  float floor_sigma_m;   /**< unevenness of the floor; 0: the floor is not used */
-  int32_t work_limit;    /**< units of work a frame */
-  int64_t max_step_us;   /**< longer without odometry: the motion is unknown */
-  uint64_t seed;         /**< of RANSAC */
+  float sigma_speed_mps;      /**< standard deviation of a speed reading */
+  float sigma_turn;           /**< of a steering angle, rad, or of a yaw rate, rad/s */
+  float wheelbase_m;          /**< for steering angles alone */
+  float sample_period_s;      /**< of the odometry */
+  float sigma_px;             /**< standard deviation of a measured pixel */
+  float floor_sigma_m;        /**< unevenness of the floor; 0: the floor is not used */
+  float sigma_pitch_rad;      /**< of the body on its suspension; both 0: it does not tilt */
+  float sigma_roll_rad;       /**< car: 0.01 and 0.02; rover: 0.012 and 0.02 */
+  float tilt_time_constant_s; /**< in which a tilt returns to 1/e; car: 1, rover: 2 */
+  int32_t work_limit;         /**< units of work a frame */
+  int64_t max_step_us;        /**< longer without odometry: the motion is unknown */
+  uint64_t seed;              /**< of RANSAC */
 } cairn_vehicle_parameters;
 
 /** Where the vehicle starts, in the map. */

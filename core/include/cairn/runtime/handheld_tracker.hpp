@@ -64,7 +64,7 @@ class HandheldTracker {
     MotionNoise::Parameters motion;  ///< in place of the filter's own noises
     HandheldRotation::Parameters rotation;
     typename MapReuse::Parameters map_reuse;
-    int work_limit = 12000;              ///< units of WorkBudget a frame, drawing apart
+    int work_limit = 11600;              ///< units of WorkBudget a frame, drawing apart
     int max_frames_without_mapping = 8;  ///< then mapping gets half of a frame's work
     std::int64_t max_step_us = 500000;   ///< a longer gap is not integrated
     std::uint64_t seed = 1;

@@ -33,7 +33,8 @@ class HandheldRotation {
   /// Takes the picture of each frame, tracked or not, if the frame's work affords it.
   void take(FrameContext& frame) {
     if (!parameters_.used) return;
-    if (frame.work.take(work::coarse_image(frame.image.width, frame.image.height))) {
+    if (affordable(frame) &&
+        frame.work.take(work::coarse_image(frame.image.width, frame.image.height))) {
       pictures_.take(frame.image);
     } else {
       pictures_.reset();
@@ -44,8 +45,7 @@ class HandheldRotation {
   /// rotation() and sigma_rad() then hold. `speed`: of the translation, in depths a second.
   bool seek(FrameContext& frame, const Vector3<float>& rate_radps, float speed_mps,
             float inverse_depth, float dt_s) {
-    constexpr int kMost = work::image_rotation(ImageRotation::kMaxIterations);
-    if (!parameters_.used || !frame.work.affords(kMost)) return false;
+    if (!parameters_.used || !affordable(frame)) return false;
     const Vector3<float> expected = rate_radps * dt_s;
     ImageRotation::Result found;
     const bool aligned = pictures_.align(frame.camera, expected, found);
@@ -67,6 +67,11 @@ class HandheldRotation {
   const Vector3<float>& sigma_rad() const { return sigma_rad_; }
 
  private:
+  /// Under a tight limit the landmarks need the work: at most a quarter of what is left.
+  static bool affordable(const FrameContext& frame) {
+    return frame.work.affords(4 * work::image_rotation(ImageRotation::kMaxIterations));
+  }
+
   Parameters parameters_;
   ImageRotation pictures_;
   Vector3<float> rotation_ = Vector3<float>::Zero();

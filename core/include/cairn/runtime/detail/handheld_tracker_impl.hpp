@@ -55,7 +55,8 @@ Status HandheldTracker<Config>::process_frame(const ImageView& image, std::int64
   measurement_.begin();
   work_.begin(work::kMonoFrame + work::repeated_image(image.width, image.height) +
               work::kProjection * estimate_.size());
-  if (repeated_.take(image)) {
+  const bool repeated = repeated_.take(image);
+  if (repeated && state() != TrackingState::kLost) {
     this->report(pass_over(), report);
     report.state = state();
     timer.end(Stage::kPreprocess);
@@ -76,7 +77,7 @@ template <class Config>
 Status HandheldTracker<Config>::pass_over() {
   ++health_.repeated_images;
   monitor_.note_blind_frames(1);
-  return state() == TrackingState::kLost ? Status::kLost : Status::kRepeatedImage;
+  return Status::kRepeatedImage;
 }
 
 template <class Config>
