@@ -13,13 +13,13 @@ namespace cairn {
 
 /// Time between two frames of a tracker.
 struct FrameStep {
-  std::int64_t us = 0;  ///< at most the largest step; 0 for the first frame
-  bool gap = false;     ///< longer than the largest step, or of unknown length
-  int missed = 0;       ///< frames that should have come in between
+  std::int64_t us = 0;        ///< at most the largest step; 0 for the first frame
+  bool gap = false;           ///< longer than the largest step, or of unknown length
+  int missed = 0;             ///< frames that should have come in between
+  std::int64_t frame_us = 0;  ///< what one of the frames in the step stands for
 
   float seconds() const { return static_cast<float>(us) * 1e-6F; }
-  /// What one of the frames in the step stands for.
-  float seconds_of_a_frame() const { return seconds() / static_cast<float>(missed + 1); }
+  float seconds_of_a_frame() const { return static_cast<float>(frame_us) * 1e-6F; }
 };
 
 /// Which frames a tracker accepts: images of its camera's size, in the order of their time.
@@ -73,6 +73,7 @@ class FrameInput {
       step.gap = since_us > max_step_us_;
       step.us = step.gap ? max_step_us_ : since_us;
       step.missed = missed_in(since_us);
+      step.frame_us = step.missed > 0 ? usual_step_us_ : step.us;
       follow_rate(step.us);
       health.frame_gaps += static_cast<std::uint32_t>(step.missed);
     }

@@ -135,15 +135,17 @@ void HandheldTracker<Config>::note_motion(std::int64_t step_us) {
 }
 
 /// Where the frame's work does not suffice for all windows (after a fast movement), the best known
-/// landmarks come first; the update with them makes the windows of the rest smaller.
+/// landmarks come first; the update with them makes the windows of the rest smaller. Without an
+/// update, searches are in vain.
 template <class Config>
 void HandheldTracker<Config>::measure(Frame& frame, SearchPass pass) {
   const int left = estimate_.size() - measurement_.counts().searched;
   const SearchOrder order =
       pass == SearchPass::kAll ? SearchOrder::kBestKnown : SearchOrder::kMostUncertain;
-  measurement_.search(frame, estimate_, estimate_.landmarks(), pass, order,
-                      measurement_.parameters().max_searches,
-                      work_.for_searches(0, estimate_.update_work(left)), scratch_.search);
+  const bool updates = work_.affords(estimate_.update_work(monitor_.parameters().min_inliers));
+  measurement_.search(
+      frame, estimate_, estimate_.landmarks(), pass, order, measurement_.parameters().max_searches,
+      updates ? work_.for_searches(0, estimate_.update_work(left)) : 0, scratch_.search);
 }
 
 /// With the matches from `first` on.
