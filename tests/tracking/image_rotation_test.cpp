@@ -77,6 +77,36 @@ TEST(ImageRotation, FindsTurnsOfSeveralCellsWithoutAHint) {
   }
 }
 
+/// A black and white board, half of whose pixels change to the other: the largest differences
+/// that there are.
+TEST(ImageRotation, FindsATurnInAPictureOfFullContrast) {
+  PinholeCamera<float> camera = Sky().camera();
+  camera.fx = camera.fy = 4000.0F;
+  const auto board = [&](int shift, ImageRotation& pictures) {
+    constexpr int kField_px = 96;
+    std::vector<std::uint8_t> pixels(static_cast<std::size_t>(camera.width) * camera.height);
+    for (int v = 0; v < camera.height; ++v) {
+      for (int u = 0; u < camera.width; ++u) {
+        const bool white = ((u + shift) / kField_px + v / (2 * kField_px)) % 2 == 0;
+        pixels[static_cast<std::size_t>(v) * camera.width + u] = white ? 255 : 0;
+      }
+    }
+    ImageView image;
+    image.data = pixels.data();
+    image.width = image.stride = camera.width;
+    image.height = camera.height;
+    pictures.take(image);
+  };
+  constexpr int kShift_px = 54;
+  ImageRotation pictures;
+  board(0, pictures);
+  board(kShift_px, pictures);
+  ImageRotation::Result result;
+  ASSERT_TRUE(pictures.align(camera, Vector3<float>::Zero(), result));
+  constexpr float kCell_px = 16.0F;  // edges without a ramp are aligned to about a cell
+  EXPECT_NEAR(result.rotation.y() * camera.fx, static_cast<float>(kShift_px), kCell_px);
+}
+
 TEST(ImageRotation, DoesNotMindAnotherExposure) {
   Sky sky;
   ImageRotation pictures;

@@ -143,8 +143,8 @@ float ImageRotation::misfit(const Optics& optics, const Vector3<float>& rotation
       const float x = r.x() / r.z() * optics.fx + optics.cx;
       const float y = r.y() / r.z() * optics.fy + optics.cy;
       if (!(x >= 0.0F) || !(y >= 0.0F) || x > kColumns - 1 || y > kRows - 1) continue;
-      const int difference =
-          present().values[round_to_int(y)][round_to_int(x)] - previous().values[row][column];
+      const std::int32_t difference = quarters(present().values[round_to_int(y)][round_to_int(x)],
+                                               previous().values[row][column]);
       sum += difference;
       squares += difference * difference;
       ++count;
