@@ -142,4 +142,45 @@ bool good_pose(const Pose& pose) {
          abs(pose.rotation.norm() - 1.0F) < 1e-2F;
 }
 
+/// One frame at `t_us`; whether the tracker accepted it. A refused one leaves its state.
+template <class Tracker>
+bool process_frame(Tracker& tracker, const ImageView& image, std::int64_t t_us,
+                   FrameReport& report) {
+  const std::uint64_t before = state_of(tracker);
+  const std::int64_t untouched = t_us == 7 ? 8 : 7;
+  report.t_us = untouched;
+  const NoAllocation none;
+  const Status status = tracker.process_frame(image, t_us, TickSource(), report);
+  if (report.t_us != untouched) return true;
+  PROMISE(1, !ok(status));
+  PROMISE(3, state_of(tracker) == before);
+  return false;
+}
+
+/// A work limit of up to `most` units, or any number; `limit` becomes the one that holds.
+template <class Tracker>
+void change_work_limit(Tracker& tracker, Input& input, int most, int& limit) {
+  const int units = input.flag() ? static_cast<int>(input.word()) : input.between(0, most);
+  const Status status = tracker.set_work_limit(units);
+  PROMISE(1, ok(status) == (units >= 0));
+  if (ok(status)) limit = units;
+}
+
+/// Loads the tracker's own map, up to three bytes of it changed.
+template <class Tracker>
+void load_changed_map(Tracker& tracker, Input& input) {
+  MapBytes map;
+  if (!ok(tracker.save_map(map.sink()))) return;
+  for (int changes = input.below(4); changes > 0 && map.size > 0; --changes) {
+    map.bytes[static_cast<int>(input.word() % static_cast<std::uint32_t>(map.size))] ^=
+        input.byte();
+  }
+  if (input.flag()) map.seal();
+  const std::uint64_t before = state_of(tracker);
+  MapFileInfo info;
+  const NoAllocation none;
+  const Status status = tracker.load_map(map.source(), info);
+  PROMISE(3, ok(status) || state_of(tracker) == before);
+}
+
 }  // namespace cairn::fuzz

@@ -52,10 +52,10 @@ class Run {
         usual_frame();
         break;
       case 5:
-        limit(input);
+        change_work_limit(tracker_, input, 12000, limit_);
         break;
       case 6:
-        change_map(input);
+        load_changed_map(tracker_, input);
         break;
       case 7:
         restart(input);
@@ -99,42 +99,11 @@ class Run {
   }
 
   void process(const ImageView& image) {
-    const std::uint64_t before = state_of(tracker_);
     FrameReport report;
-    report.t_us = t_us_ == 7 ? 8 : 7;
-    const std::int64_t untouched = report.t_us;
-    const NoAllocation none;
-    const Status status = tracker_.process_frame(image, t_us_, TickSource(), report);
-    if (report.t_us == untouched) {
-      PROMISE(1, !ok(status));
-      PROMISE(3, state_of(tracker_) == before);
-      return;
-    }
+    if (!process_frame(tracker_, image, t_us_, report)) return;
     PROMISE(4, good_pose(report.T_map_camera) && good_pose(report.T_world_camera));
     PROMISE(6, report.work <= std::max(limit_, kAlways));
     PROMISE(6, report.inliers <= report.matches && report.landmarks <= SmallConfig::kMaxLandmarks);
-  }
-
-  void limit(Input& input) {
-    const int units = input.flag() ? static_cast<int>(input.word()) : input.between(0, 12000);
-    const Status status = tracker_.set_work_limit(units);
-    PROMISE(1, ok(status) == (units >= 0));
-    if (ok(status)) limit_ = units;
-  }
-
-  void change_map(Input& input) {
-    MapBytes map;
-    if (!ok(tracker_.save_map(map.sink()))) return;
-    for (int changes = input.below(4); changes > 0 && map.size > 0; --changes) {
-      map.bytes[static_cast<int>(input.word() % static_cast<std::uint32_t>(map.size))] ^=
-          input.byte();
-    }
-    if (input.flag()) map.seal();
-    const std::uint64_t before = state_of(tracker_);
-    MapFileInfo info;
-    const NoAllocation none;
-    const Status status = tracker_.load_map(map.source(), info);
-    PROMISE(3, ok(status) || state_of(tracker_) == before);
   }
 
   void restart(Input& input) {

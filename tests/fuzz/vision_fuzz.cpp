@@ -95,7 +95,7 @@ void try_search(Input& input, const ImageView& image) {
   if (input.flag()) parameters.method = SearchMethod::kPatch;
   if (input.byte() > 230) parameters.gate = input.wild();
   if (!ok(parameters.validate())) return;
-  const int most = most_search_work(prediction, parameters);
+  const int most = most_search_work(prediction, appearance, parameters);
   Vector2<float> pixel(-7.0F, -7.0F);
   SearchReport report;
   const Status status =
