@@ -67,9 +67,9 @@ struct MonoParameters {
 
   OnePointRansacParameters ransac;
   /// Most hypotheses of three matches, drawn where those of one match convince a smaller share of
-  /// the matches than `enough_inliers`. 0: none, as published.
+  /// the matches than `enough_inlier_share`. 0: none, as published.
   int max_triples = 0;
-  T enough_inliers = T(0.6);
+  T enough_inlier_share = T(0.6);
   T inlier_gate = T(kChi2Dof2Level95);  ///< of |z - h|^2 / sigma_px^2, low innovation
   T rescue_gate = T(kChi2Dof2Level99);  ///< of nu' S^-1 nu, high innovation
 
@@ -99,7 +99,7 @@ struct MonoParameters {
                       adaptive_memory < T(1) && focal_sigma < T(0.5) &&
                       ransac.max_hypotheses >= 1 && ransac.min_inliers >= 1 &&
                       ransac.probability > 0.0F && ransac.probability < 1.0F &&
-                      max_conversions_per_update >= 0 && max_triples >= 0 && enough_inliers >= T(0);
+                      max_conversions_per_update >= 0 && max_triples >= 0 && enough_inlier_share >= T(0);
     return good ? Status::kOk : Status::kBadConfig;
   }
 };

@@ -278,7 +278,7 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int c
   };
   OnePointRansacResult<MaxFeatures> best =
       one_point_ransac<MaxFeatures>(count, parameters_.ransac, random, evaluate);
-  if (static_cast<T>(best.inlier_count) < parameters_.enough_inliers * static_cast<T>(count)) {
+  if (static_cast<T>(best.inlier_count) < parameters_.enough_inlier_share * static_cast<T>(count)) {
     const auto evaluate_three = [&](const int* candidates, bool* inliers) {
       return evaluate_triple(matches, count, candidates, inliers);
     };
