@@ -18,6 +18,7 @@
 #include "host_sim/reports/report.py.hpp"
 #include "host_sim/reports/run_folder.hpp"
 #include "host_sim/reports/run_outputs.hpp"
+#include "host_sim/running/mount_run.hpp"
 #include "host_sim/running/runner.hpp"
 #include "host_sim/sources/data_sets.hpp"
 #include "host_sim/sources/hall_source.hpp"
@@ -147,6 +148,30 @@ std::string figure(const nlohmann::json& value, const char* unit) {
   return value.is_null() ? std::string("-") : fmt::format("{:.3f} {}", value.get<double>(), unit);
 }
 
+constexpr MountOffset::Part kMountParts[] = {MountOffset::kYaw, MountOffset::kPitch,
+                                             MountOffset::kRoll, MountOffset::kFocal};
+
+/// A line for each part of mount and camera that the pictures contradict.
+void print_suspicions(const std::optional<MountOffset>& offset) {
+  if (!offset.has_value()) return;
+  for (const MountOffset::Part part : kMountParts) {
+    if (!offset->suspect[part]) continue;
+    fmt::print("calibration suspect: {}: {}\n", describe(*offset, part), meaning_of(part));
+  }
+}
+
+/// Every part, and whether it is suspect.
+ExitCode check_mount(FrameSource& source, Frame& first, Tracker& tracker) {
+  const MountRun run = run_for_mount(source, first, tracker);
+  fmt::print("frames {}   tracked {}\n", run.frames, run.tracked);
+  for (const MountOffset::Part part : kMountParts) {
+    fmt::print("{:<28}{}\n", describe(run.offset, part),
+               run.offset.suspect[part] ? "suspect" : "not contradicted");
+  }
+  print_suspicions(run.offset);
+  return run.offset.any_suspect() ? ExitCode::kCheckFailed : ExitCode::kOk;
+}
+
 void print_summary(const nlohmann::json& summary) {
   const nlohmann::json& latency = summary["latency_ms"];
   fmt::print("\n{:<34}{:>9}{:>9}{:>9}{:>9}{:>12}{:>10}\n", "per frame, ms", "p50", "p95", "p99",
@@ -230,6 +255,7 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   if (!source.next(frame)) throw InputError(options.source, "expected at least one frame");
   const TrackerOptions tracker_settings = tracker_options(options, source.info(), frame);
   const std::unique_ptr<Tracker> tracker = make_tracker(tracker_settings, source.info());
+  if (options.check_mount) return check_mount(source, frame, *tracker);
   make_folder(options.out);
   if (options.timing.has_value()) {
     return time_frames({source, frame, *tracker, tracker_settings, options});
@@ -269,6 +295,7 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   write_landmarks(options.out, record);
   write_json(options.out / "summary.json", summary);
   print_summary(summary);
+  print_suspicions(record.mount);
   if (options.video && record.overlay.empty()) {
     fmt::print("overlay video not written: OpenCV has no encoder for H.264, MPEG-4 or MJPG\n");
   }

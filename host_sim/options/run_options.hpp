@@ -60,6 +60,7 @@ struct RunOptions {
   Playback playback;
   std::vector<std::string> given;       ///< names of the options on the command line
   std::optional<TimingOptions> timing;  ///< time the frames instead of evaluating the run
+  bool check_mount = false;             ///< say what the drive tells of the mount, write nothing
   /// What to do with the opened source instead of tracking it as a whole; empty: track it.
   std::function<void(FrameSource& source)> use_source;
 };

@@ -257,6 +257,24 @@ json not_tracked_json(const RunRecord& record) {
   return reasons;
 }
 
+/// What the pictures say of mount and focal length, degrees and percent; null in hand-held mode.
+json mount_json(const RunRecord& record) {
+  if (!record.mount.has_value()) return nullptr;
+  const auto part = [&](MountOffset::Part which, double unit) {
+    return json{{"off", unit * static_cast<double>(record.mount->value[which])},
+                {"sigma", unit * static_cast<double>(record.mount->sigma[which])},
+                {"suspect", record.mount->suspect[which]}};
+  };
+  constexpr double kDegrees = 180.0 / kPi<double>;
+  return {
+      {"yaw_deg", part(MountOffset::kYaw, kDegrees)},
+      {"pitch_deg", part(MountOffset::kPitch, kDegrees)},
+      {"roll_deg", part(MountOffset::kRoll, kDegrees)},
+      {"focal_percent", part(MountOffset::kFocal, 100.0)},
+      {"first_suspect_frame",
+       record.mount_suspect_frame.has_value() ? json(*record.mount_suspect_frame) : json(nullptr)}};
+}
+
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                const RegistrationResult& registration, double budget_ms) {
   int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
@@ -298,6 +316,7 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
             {"library", record.library_size < 0 ? json(nullptr) : json(record.library_size)},
             {"reused", reuse_json(record)}}},
           {"health", to_json(record.health)},
+          {"mount", mount_json(record)},
           {"monitor", monitor_json(record)},
           {"log_hash", fmt::format("{:016x}", record.log_hash)}};
 }
@@ -333,7 +352,8 @@ json to_json(const Health& h) {
           {"relocalisations", h.relocalisations},
           {"false_relocalisations_refused", h.false_relocalisations_refused},
           {"budget_exceeded", h.budget_exceeded},
-          {"low_texture_frames", h.low_texture_frames}};
+          {"low_texture_frames", h.low_texture_frames},
+          {"mount_suspicions", h.mount_suspicions}};
 }
 
 }  // namespace cairn::host

@@ -103,6 +103,7 @@ class FrameLoop {
     record_.lap_frames = source_.info().lap_frames;
     record_.landmark_capacity = tracker_.landmark_capacity();
     record_.health = tracker_.health();
+    record_.mount = tracker_.mount_offset();
     for (int i = 0; i < monitor_.record_count(); ++i) record_.events.push_back(monitor_.record(i));
     record_.tracker = tracker_.description();
     record_.log_hash = hash_.value();
@@ -114,6 +115,12 @@ class FrameLoop {
   }
 
  private:
+  void note_mount() {
+    const std::optional<MountOffset> mount = tracker_.mount_offset();
+    if (record_.mount_suspect_frame.has_value() || !mount.has_value()) return;
+    if (mount->any_suspect()) record_.mount_suspect_frame = static_cast<int>(record_.frames.size());
+  }
+
   void process(const Frame& frame) {
     FrameRecord entry;
     entry.number = frame.number;
@@ -128,6 +135,7 @@ class FrameLoop {
     monitor_.note(frame.t_us, entry.report.status, entry.report, tracker_.health(),
                   sigma_of(tracker_));
     entry.health_score = monitor_.score();
+    note_mount();
     entry.true_T_world_camera = frame.true_T_world_camera;
     entry.true_T_world_vehicle = frame.true_T_world_vehicle;
     entry.vehicle = tracker_.vehicle_pose();

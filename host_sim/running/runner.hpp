@@ -43,7 +43,9 @@ struct RunRecord {
   int library_size = -1;
   std::optional<int> lap_frames;
   Health health;
-  std::vector<HealthRecord> events;  ///< the last ones, the newest first
+  std::optional<MountOffset> mount;
+  std::optional<int> mount_suspect_frame;  ///< index in `frames` of the first with a suspicion
+  std::vector<HealthRecord> events;        ///< the last ones, the newest first
   nlohmann::json tracker;
   std::uint64_t log_hash = 0;
   int interrupted_by = 0;                       ///< signal after which no frame was begun, else 0

@@ -15,6 +15,7 @@
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/frame_report.hpp"
+#include "cairn/tracking/mount_evidence.hpp"
 
 #include "host_sim/options/handheld_options.hpp"
 #include "host_sim/options/run_options.hpp"
@@ -64,6 +65,8 @@ class Tracker {
   virtual Health health() const = 0;
   /// The virtual objects that process() draws; null where there are none.
   virtual const Augmenter* objects() const { return nullptr; }
+  /// How far mount and focal length seem to be off. Vehicle mode alone.
+  virtual std::optional<MountOffset> mount_offset() const { return std::nullopt; }
   /// Vehicle mode alone.
   virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }
   /// Covariance of the attitude, rad^2, camera axes; of a small turn after it. Handheld mode alone.

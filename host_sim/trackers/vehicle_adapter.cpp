@@ -93,6 +93,7 @@ class VehicleAdapter : public Tracker {
     estimate.covariance = core_->filter().pose_covariance().template cast<double>();
     return estimate;
   }
+  std::optional<MountOffset> mount_offset() const override { return core_->mount_offset(); }
   const Augmenter* objects() const override { return &objects_.augmenter(); }
 
   nlohmann::json description() const override {

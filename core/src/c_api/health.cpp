@@ -38,3 +38,4 @@ CAIRN_SAME(relocalisations);
 CAIRN_SAME(false_relocalisations_refused);
 CAIRN_SAME(budget_exceeded);
 CAIRN_SAME(low_texture_frames);
+CAIRN_SAME(mount_suspicions);

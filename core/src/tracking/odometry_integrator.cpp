@@ -124,6 +124,23 @@ OdometryIntegrator::Motion OdometryIntegrator::motion_over(const OdometrySample&
   return {increment.distance_m, increment.turn_rad};
 }
 
+/// A step along an arc, whose chord lies at half the yaw.
+PlanarPose<float> OdometryIntegrator::moved(const PlanarPose<float>& pose, const Motion& motion) {
+  float sine = 0.0F;
+  float cosine = 0.0F;
+  sin_cos(pose.heading + 0.5F * motion.yaw_rad, sine, cosine);
+  PlanarPose<float> result;
+  result.position = pose.position + motion.distance_m * Vector2<float>(cosine, sine);
+  result.heading = wrap_angle(pose.heading + motion.yaw_rad);
+  return result;
+}
+
+PlanarPose<float> OdometryIntegrator::path() const {
+  const float held_s = seconds_since_sample(time_us_);
+  const float max_s = static_cast<float>(max_step_us_) * 1e-6F;
+  return moved(path_, motion_over(motion_, held_s < max_s ? held_s : max_s));
+}
+
 /// Of one step, at least a third of |reading - low-passed reading|, so that the search windows stay
 /// wide enough after an outlier.
 float OdometryIntegrator::sigma_speed(float scale) const {

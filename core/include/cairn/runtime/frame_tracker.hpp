@@ -5,6 +5,7 @@
 #include "cairn/base/config.hpp"
 #include "cairn/base/hash.hpp"
 #include "cairn/tracking/frame_input.hpp"
+#include "cairn/tracking/mount_check.hpp"
 #include "cairn/tracking/mounting.hpp"
 #include "cairn/tracking/odometry_integrator.hpp"
 #include "cairn/tracking/repeated_image.hpp"
@@ -147,6 +148,8 @@ class FrameTracker {
   /// Of the tracker and of its filter.
   Health health() const { return with_filter(health_, filter().health()); }
   TrackingState state() const { return monitor_.state(); }
+  /// How far the mount and the focal length seem to be from what initialise() was told.
+  const MountOffset& mount_offset() const { return mount_check_.offset(); }
   void hash(Hash64& hash) const;
 
  private:
@@ -163,6 +166,7 @@ class FrameTracker {
   void note_correction(const PlanarPose<float>& predicted);
   void note_matches(Frame& frame, const typename Measurement::Matches& matches);
   void note_inlier(Frame& frame, const PixelMatch<float>& match);
+  void check_mount(Frame& frame);
   void report(Status status, FrameReport& report);
   NotTracked why_not_tracked(Status status) const;
   int planned_searches() const;
@@ -178,6 +182,7 @@ class FrameTracker {
   FrameInput input_;
   InputClock clock_;
   RepeatedImage repeated_;
+  MountCheck mount_check_;
   FrameWork work_;
   Random random_;
   Health health_;

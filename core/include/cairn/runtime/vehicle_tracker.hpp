@@ -69,6 +69,8 @@ class VehicleTracker {
   Rigid<float> T_world_map() const { return frames_.T_world_map(); }
   /// The vehicle on the floor of the map.
   Rigid<float> T_map_vehicle() const { return frames_.T_map_vehicle(); }
+  /// As FrameTracker::mount_offset().
+  const MountOffset& mount_offset() const { return frames_.mount_offset(); }
   Health health() const { return frames_.health(); }
   /// Admissions, replacements and refusals of the library.
   const Health& library_health() const { return builder_.health(); }

@@ -6,6 +6,7 @@
 #include "cairn/base/status.hpp"
 #include "cairn/planar/increment.hpp"
 #include "cairn/planar/reading_low_pass.hpp"
+#include "cairn/planar/types.hpp"
 #include "cairn/tracking/frame_report.hpp"
 
 namespace cairn {
@@ -69,6 +70,14 @@ class OdometryIntegrator {
   void note_image_update(float ahead_m, float step_s);
 
   float speed_mps() const { return motion_.speed_mps; }
+  /// The pose by odometry alone at the filter's time, from any start: what images corrected is not
+  /// in it.
+  PlanarPose<float> path() const;
+  /// Whether samples say how the pose came to its present time.
+  bool motion_known() const {
+    return has_motion_ &&
+           seconds_since_sample(time_us_) <= static_cast<float>(max_step_us_) * 1e-6F;
+  }
   /// Whether the motion at the pose's time follows from samples.
   bool known() const { return has_motion_ && time_us_ - motion_.t_us <= max_step_us_; }
   /// Whether the newest sample is exactly no motion.
@@ -94,6 +103,7 @@ class OdometryIntegrator {
   void fade_slip(float step_s);
   float seconds_since_sample(std::int64_t t_us) const;
   Motion motion_over(const OdometrySample& reading, float dt_s) const;
+  static PlanarPose<float> moved(const PlanarPose<float>& pose, const Motion& motion);
   float sigma_speed(float scale) const;
   PlanarIncrement<float> increment_over(float dt_s) const;
   PlanarIncrement<float> increment_of(const OdometrySample& reading, float dt_s, float scale) const;
@@ -107,6 +117,7 @@ class OdometryIntegrator {
 
   OdometryNoise noise_;
   std::int64_t max_step_us_ = 0;
+  PlanarPose<float> path_;         ///< at the newest sample
   std::int64_t time_us_ = 0;       ///< of the filter's pose
   std::int64_t corrected_us_ = 0;  ///< until then an image has corrected the pose
   OdometrySample motion_;
@@ -137,6 +148,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
     const Motion held = motion_over(motion_, held_s);
     correction = {measured.distance_m - held.distance_m, measured.yaw_rad - held.yaw_rad};
   }
+  path_ = moved(path_, motion_over(glitch ? motion_ : sample, seconds_since_sample(sample.t_us)));
   if (glitch) {
     motion_.t_us = sample.t_us;
     ++health.odometry_glitches;

@@ -23,6 +23,7 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   input_.reset(parameters.max_step_us);
   clock_.reset(parameters.max_step_us);
   repeated_.reset();
+  mount_check_.reset(camera, T_vehicle_camera, parameters.sigma_px);
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
   health_ = Health{};
@@ -72,6 +73,8 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
     timer.end(Stage::kFeatures);
     status = update(frame, status);
     status = keep_map(frame, status);
+    check_mount(frame);
+    odometry_.forget_yaw();
     status = monitor_.judge(measurement_.counts(), status, health_);
   }
   this->report(status, report);
@@ -191,10 +194,22 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   if (anew && !known) monitor_.forget_mean();
   const bool growing = known || thin_map_ || monitor_.holds(measurement_.counts()) || anew;
   local_map_.follow(frame, estimate_, motion(), growing);
-  odometry_.forget_yaw();
   if (known && usable) map_reuse_.reactivate(frame, estimate_, *library);
   if (library != nullptr) frame.map.exchange.release();
   return status;
+}
+
+/// All matches count, not the filter's inliers alone: it takes those that fit the assumed mount.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::check_mount(Frame& frame) {
+  if (!odometry_.motion_known()) return;
+  const typename Measurement::Matches& matches = measurement_.matches();
+  const Vector2<float> tilt = estimate_.tilt_noise(frame_step_s_);
+  const OdometryStep step = {odometry_.path(), odometry_.yaw_variance(),
+                             tilt.x() > tilt.y() ? tilt.x() : tilt.y(), frame_step_s_};
+  const bool paid = frame.work.take(work::kMountCheck);
+  mount_check_.add(step, matches.data(), paid ? matches.size() : 0);
+  frame.health.mount_suspicions += mount_offset().any_suspect() ? 1 : 0;
 }
 
 template <class Config, class Filter>
