@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Packs an input log's pictures as JPEG: the clip that the page plays. The form: web/engine/clip_log.hpp.
+"""Packs an input log's pictures as JPEG: the clip that the page plays. The form: web/engine/clip_reader.hpp.
 
 usage: make_clip.py LOG CLIP [QUALITY]
 QUALITY: of the JPEGs, 1 to 95, default 65. Exit status 2 for a wrong call, 3 for a file that is no whole log.

@@ -83,6 +83,7 @@ async function nothingIsSent(page, address, requests) {
 async function camera(page, requests, out, name) {
   const before = requests.length;
   await page.click("#camera");
+  await page.waitForSelector("#camera-controls:not([hidden])");
   await page.waitForFunction(() => document.getElementById("state").textContent === "tracking", null,
     { timeout: 60000 });
   const box = await page.locator("#picture").boundingBox();

@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 #include <cstring>
-#include <optional>
 
 #include "cairn/ar/virtual_object.hpp"
 #include "cairn/base/hash.hpp"
@@ -10,7 +9,7 @@
 #include "cairn/numeric/math.hpp"
 #include "cairn/runtime/input_log.hpp"
 
-#include "clip_log.hpp"
+#include "clip_reader.hpp"
 #include "shading.hpp"
 
 extern "C" __attribute__((import_module("env"), import_name("web_ticks"))) std::uint32_t
@@ -37,8 +36,7 @@ struct Engine {
   cairn_objects* shown;
   cairn_camera camera;
   cairn_transform T_map_camera;
-  cairn_web::ClipLog log;
-  std::optional<cairn::InputLogReader<cairn_web::ClipLog>> reader;
+  cairn_web::ClipReader reader;
   cairn_landmark landmarks[CAIRN_VEHICLE_MAX_LANDMARKS];
   cairn::VirtualObject shape;
   web_result result;
@@ -73,7 +71,7 @@ cairn_canvas canvas_of(std::uint8_t* pixels) {
 void stop() {
   engine.vehicle = nullptr;
   engine.handheld = nullptr;
-  engine.reader.reset();
+  engine.reader = cairn_web::ClipReader();
   engine.result = web_result{};
 }
 
@@ -187,23 +185,36 @@ void report_frame(const cairn_report& report, std::uint64_t frame_hash) {
   engine.T_map_camera = report.T_map_camera;
 }
 
+/// A pixel's colour with a line of the mask over it: 1 to 127, of which 127 is all.
+void add_line(int line, std::uint8_t* out) {
+  for (int k = 0; k < 3; ++k) {
+    const int below = out[3] > 0 ? out[k] : kOutline[k];
+    out[k] = static_cast<std::uint8_t>((below * (127 - line) + kOutline[k] * line) / 127);
+  }
+  if (out[3] < 2 * line) out[3] = static_cast<std::uint8_t>(2 * line);
+}
+
+void put_below(std::uint8_t grey, std::uint8_t* out) {
+  for (int k = 0; k < 3; ++k) {
+    out[k] = static_cast<std::uint8_t>((out[k] * out[3] + grey * (255 - out[3])) / 255);
+  }
+  out[3] = 255;
+}
+
 /// What is shown: the frame, where it is wanted, under the shaded objects and their outlines.
 void blend(bool with_frame) {
   for (int i = 0; i < pixel_count(); ++i) {
     std::uint8_t* const out = engine.shown_picture + 4 * i;
-    const int line = engine.mask[i] - kNoLine;  // above 0: a line, of which 127 is all
-    if (line > 0) {
-      const int own = out[3] > 0 ? out[3] : 255;
-      for (int k = 0; k < 3; ++k) {
-        out[k] = static_cast<std::uint8_t>((out[k] * (127 - line) + kOutline[k] * line) / 127);
-      }
-      out[3] = static_cast<std::uint8_t>(own > 2 * line ? own : 2 * line);
-    }
+    const std::uint8_t grey = engine.grey[i];
+    const int line = engine.mask[i] - kNoLine;
+    if (line > 0) add_line(line, out);
     if (!with_frame) continue;
-    for (int k = 0; k < 3; ++k) {
-      out[k] = static_cast<std::uint8_t>((out[k] * out[3] + engine.grey[i] * (255 - out[3])) / 255);
+    if (out[3] != 0) {
+      put_below(grey, out);
+    } else {
+      out[0] = out[1] = out[2] = grey;
+      out[3] = 255;
     }
-    out[3] = 255;
   }
 }
 
@@ -300,28 +311,22 @@ std::uint8_t* web_reserve_clip(std::uint32_t bytes) {
 
 std::int32_t web_start_drive() {
   stop();
-  engine.log.open(engine.clip, engine.clip_bytes);
-  cairn::InputLogReader<cairn_web::ClipLog> reader(engine.log);
   cairn::InputLogHeader header;
-  const cairn::Status opened = reader.open(header);
+  const cairn::Status opened = engine.reader.open(engine.clip, engine.clip_bytes, header);
   if (!ok(opened)) return static_cast<cairn_status>(opened);
   if (header.mode != cairn::LogMode::kVehicle) return CAIRN_BAD_CONFIG;
   engine.camera = camera_of(header.camera);
   cairn_status status = start_vehicle(header);
-  if (status == CAIRN_OK) status = make_objects(kDriveHeight_m);
-  if (status == CAIRN_OK) engine.reader.emplace(reader);
-  return status;
+  return status == CAIRN_OK ? make_objects(kDriveHeight_m) : status;
 }
 
 std::int32_t web_next_frame() {
-  if (!engine.reader) return WEB_DAMAGED;
-  const cairn::MutableImageView pixels{engine.grey, engine.camera.width, engine.camera.height,
-                                       engine.camera.width};
+  if (engine.vehicle == nullptr) return WEB_DAMAGED;
   for (;;) {
     cairn::LogEvent event = cairn::LogEvent::kEnd;
     cairn::OdometrySample sample;
     cairn::LogFrame frame;
-    if (!ok(engine.reader->next(event, sample, frame, pixels))) return WEB_DAMAGED;
+    if (!ok(engine.reader.next(event, sample, frame, engine.grey))) return WEB_DAMAGED;
     if (event == cairn::LogEvent::kEnd) return WEB_END;
     if (event == cairn::LogEvent::kOdometry) {
       add_odometry(sample);

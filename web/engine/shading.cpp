@@ -1,5 +1,7 @@
 #include "shading.hpp"
 
+#include <cstring>
+
 #include "cairn/numeric/math.hpp"
 
 namespace cairn_web {
@@ -108,7 +110,7 @@ Colour lit(const Vector& normal, int stone) {
 }  // namespace
 
 void clear(const ShadedPicture& picture, int pixels) {
-  for (int i = 0; i < 4 * pixels; ++i) picture.colours[i] = 0;
+  std::memset(picture.colours, 0, 4 * static_cast<std::size_t>(pixels));
   for (int i = 0; i < pixels; ++i) picture.depths[i] = kFarthest;
 }
 

@@ -95,13 +95,14 @@ function showTimes(frame) {
   lastShown = performance.now();
   const total = typical(times.map((t) => t.total));
   $("time").textContent = total.toFixed(2);
-  $("largest").textContent = Math.max(...times.map((t) => t.total)).toFixed(1);
   $("bar").childNodes.forEach((piece, i) => {
     const own = typical(times.map((t) => t.stages[i]));
     piece.style.width = `${Math.min(100, 100 * own / BUDGET_MS)}%`;
     $("stages").querySelectorAll("dd")[i].textContent = `${own.toFixed(2)} ms`;
   });
-  $("rate").textContent = `The tracker alone would do ${Math.round(1000 / Math.max(total, 0.01))} frames a second.`;
+  const largest = Math.max(...times.map((t) => t.total)).toFixed(1);
+  $("rate").textContent =
+    `Largest ${largest} ms. The tracker alone would do ${Math.round(1000 / Math.max(total, 0.01))} frames a second.`;
 }
 
 function showCounts(frame) {
@@ -235,6 +236,7 @@ function sendPace() {
 function setMode(next) {
   mode = next;
   times = [];
+  showState("initialising", "starting");
   for (const id of ["time", "number", "landmarks", "matches", "inliers", "placed"]) $(id).textContent = "–";
   ++session;
   busy = false;
