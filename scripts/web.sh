@@ -50,6 +50,6 @@ if [ "$bytes" -gt "$most_bytes" ]; then
 fi
 
 "$python" tests/web/equals_native.py "$host" "$wasm" "$work/hall.log"
-tests/target/compare_texts.py "$host/bin/replay_vehicle" "$work/hall.log" --overlay yes -- \
+"$python" tests/target/compare_texts.py "$host/bin/replay_vehicle" "$work/hall.log" --overlay yes -- \
   node --no-experimental-fetch tests/web/replay_clip.js "$page/engine.wasm" "$page/hall.clip"
 echo "web: $page; to look at it: python3 -m http.server --directory $page"
