@@ -5,6 +5,7 @@
 #   fuzz       every fuzz target for ten minutes (FUZZ_SECONDS)
 #   faults     the fault classes on a drive of 600 frames
 #   laps       50 laps of one hall (LAPS)
+#   web        the page as WebAssembly against the host, and in headless Chromium
 # Prints a line a step with its result and time, which docs/results/robustness.md keeps; logs lie in
 # build/nightly/. Exit code 1 where a step failed.
 set -uo pipefail
@@ -12,7 +13,7 @@ cd "$(dirname "$0")/.."
 renice -n 19 $$ >/dev/null
 
 steps=("$@")
-[ ${#steps[@]} -gt 0 ] || steps=(sanitize threads fuzz faults laps)
+[ ${#steps[@]} -gt 0 ] || steps=(sanitize threads fuzz faults laps web)
 logs=build/nightly
 mkdir -p "$logs"
 
@@ -26,12 +27,13 @@ threads() { host two_tasks map_exchange_test && ctest --preset host -R '^(two_ta
 fuzz() { scripts/fuzz.sh "${FUZZ_SECONDS:-600}"; }
 faults() { host cairn_sim && build/host/bin/cairn_sim inject --out "$logs/faults.csv"; }
 laps() { host cairn_sim && build/host/bin/cairn_sim laps --laps "${LAPS:-50}" --out "$logs/laps"; }
+web() { scripts/web.sh && scripts/web_browser.sh; }
 
 failed=0
 echo "$(date -u +%F) $(git describe --always --dirty 2>/dev/null)"
 for step in "${steps[@]}"; do
   case "$step" in
-    sanitize | threads | fuzz | faults | laps) ;;
+    sanitize | threads | fuzz | faults | laps | web) ;;
     *)
       echo "nightly.sh: no step '$step'" >&2
       exit 2

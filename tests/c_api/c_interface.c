@@ -116,9 +116,11 @@ static void null_is_refused(void) {
   CHECK(cairn_handheld_process_frame(NULL, &kImage, 0, &report) == refused);
   CHECK(cairn_handheld_get_covariance(NULL, NULL) == refused);
   CHECK(cairn_handheld_place_object(NULL, NULL) == refused);
+  CHECK(cairn_handheld_place_object_at(NULL, NULL, 0.0F, 0.0F) == refused);
   CHECK(cairn_handheld_reset(NULL) == refused);
   CHECK(cairn_objects_place(NULL, &kForwards) == refused);
   CHECK(cairn_objects_count(NULL, NULL) == refused);
+  CHECK(cairn_objects_get_place(NULL, 0, NULL) == refused);
   CHECK(!cairn_objects_wants_one(NULL));
 }
 
@@ -205,6 +207,12 @@ static void objects_stand_where_they_are_put(void) {
   CHECK(cairn_vehicle_place_object(v, objects, 3.5F, 9.0F) == CAIRN_FULL);
   int32_t count = 0;
   CHECK(cairn_objects_count(objects, &count) == CAIRN_OK && count == 8);
+  cairn_transform place;
+  CHECK(cairn_objects_get_place(objects, 2, &place) == CAIRN_OK);
+  CHECK(fabsf(place.x - 3.5F) < 1e-3F && fabsf(place.y - 2.0F) < 1e-3F);
+  CHECK(cairn_objects_get_place(objects, -1, &place) == CAIRN_NOT_FOUND);
+  CHECK(cairn_objects_get_place(objects, 8, &place) == CAIRN_NOT_FOUND);
+  CHECK(cairn_objects_get_place(objects, 0, NULL) == CAIRN_INVALID_ARGUMENT);
 }
 
 static void a_hand_held_camera_starts_and_resets(void) {
@@ -229,6 +237,10 @@ static void a_hand_held_camera_starts_and_resets(void) {
   CHECK(cairn_objects_initialise(objects_memory.bytes, sizeof objects_memory, 1.0F, &objects) ==
         CAIRN_OK);
   CHECK(cairn_handheld_place_object(h, objects) == CAIRN_NOT_FOUND);
+  CHECK(cairn_handheld_place_object_at(h, objects, 0.0F, kHeight - 1) == CAIRN_NOT_FOUND);
+  CHECK(cairn_handheld_place_object_at(h, objects, 0.0F, kHeight) == CAIRN_INVALID_ARGUMENT);
+  CHECK(cairn_handheld_place_object_at(h, objects, NAN, 0.0F) == CAIRN_INVALID_ARGUMENT);
+  CHECK(cairn_handheld_place_object_at(h, NULL, 0.0F, 0.0F) == CAIRN_INVALID_ARGUMENT);
   size_t used = 0;
   CHECK(cairn_handheld_save_map(h, map, sizeof map, &used) == CAIRN_OK);
   CHECK(cairn_handheld_load_map(h, map, used) == CAIRN_OK);

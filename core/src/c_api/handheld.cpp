@@ -7,6 +7,7 @@
 
 namespace {
 
+using cairn::Rigid;
 using cairn::Status;
 using cairn::c_api::from_c;
 using cairn::c_api::to_c;
@@ -130,6 +131,18 @@ cairn_status cairn_handheld_place_object(const cairn_handheld* handheld, cairn_o
   cairn::ObjectPlacement placement{cairn::Vector3<float>::Zero(), cairn::Random(1)};
   cairn::Rigid<float> T_map_object;
   if (!find_object_place(handheld->tracker, placement, T_map_object)) return CAIRN_NOT_FOUND;
+  return to_c(objects->augmenter.place(T_map_object));
+}
+
+cairn_status cairn_handheld_place_object_at(const cairn_handheld* handheld, cairn_objects* objects,
+                                            float x_px, float y_px) {
+  if (handheld == nullptr || objects == nullptr) return CAIRN_INVALID_ARGUMENT;
+  const Tracker::Filter& filter = handheld->tracker.filter();
+  const cairn::Vector2<float> pixel(x_px, y_px);
+  if (!filter.camera().contains(pixel)) return CAIRN_INVALID_ARGUMENT;
+  cairn::Random random(1);
+  Rigid<float> T_map_object;
+  if (!cairn::place_at_pixel(filter, pixel, random, T_map_object)) return CAIRN_NOT_FOUND;
   return to_c(objects->augmenter.place(T_map_object));
 }
 

@@ -40,6 +40,14 @@ cairn_status cairn_objects_count(const cairn_objects* objects, int32_t* count) {
   return CAIRN_OK;
 }
 
+cairn_status cairn_objects_get_place(const cairn_objects* objects, int32_t index,
+                                     cairn_transform* T_map_object) {
+  if (objects == nullptr || T_map_object == nullptr) return CAIRN_INVALID_ARGUMENT;
+  if (index < 0 || index >= objects->augmenter.size()) return CAIRN_NOT_FOUND;
+  *T_map_object = to_c(objects->augmenter[index]);
+  return CAIRN_OK;
+}
+
 bool cairn_objects_wants_one(const cairn_objects* objects) {
   return objects != nullptr && objects->augmenter.wants_object();
 }

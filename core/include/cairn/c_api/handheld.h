@@ -77,6 +77,13 @@ uint64_t cairn_handheld_hash(const cairn_handheld* handheld);
  * one. CAIRN_NOT_FOUND while too few features are known well; CAIRN_FULL. */
 cairn_status cairn_handheld_place_object(const cairn_handheld* handheld, cairn_objects* objects);
 
+/** Puts an object where the ray of a pixel of the last frame meets the plane of the features, or,
+ * where they lie on none, at the depth of the feature seen nearest to it. CAIRN_INVALID_ARGUMENT
+ * for a pixel outside the image; CAIRN_NOT_FOUND while too few features are known well; CAIRN_FULL.
+ */
+cairn_status cairn_handheld_place_object_at(const cairn_handheld* handheld, cairn_objects* objects,
+                                            float x_px, float y_px);
+
 /** As cairn_vehicle_draw(). */
 cairn_status cairn_handheld_draw(const cairn_handheld* handheld, cairn_objects* objects,
                                  const cairn_canvas* canvas, int32_t* drawn);

@@ -30,6 +30,11 @@ cairn_status cairn_objects_place(cairn_objects* objects, const cairn_transform* 
 /** How many are placed. */
 cairn_status cairn_objects_count(const cairn_objects* objects, int32_t* count);
 
+/** Where the object `index` stands, from 0 in the order of their placing. CAIRN_NOT_FOUND: there is
+ * none. */
+cairn_status cairn_objects_get_place(const cairn_objects* objects, int32_t index,
+                                     cairn_transform* T_map_object);
+
 /** Nothing was drawn for a while and there is room: the time to place another. False for NULL. */
 bool cairn_objects_wants_one(const cairn_objects* objects);
 

@@ -1,0 +1,86 @@
+#include "cairn/runtime/handheld_placement.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using cairn::Random;
+using cairn::Rigid;
+using Vector = cairn::Vector3<float>;
+using Scene = cairn::ScenePoints<32>;
+
+/// Looks down at 45 degrees, from 2 above and 1 to the side of the map's origin.
+Rigid<float> camera_pose() {
+  return {cairn::rotation_exp<float>({-0.75F * 3.14159265F, 0.0F, 0.0F}), {1.0F, -2.0F, 2.0F}};
+}
+
+void add(const Vector& p_map, Scene& scene) {
+  scene.add(p_map, (camera_pose().inverse() * p_map).z());
+}
+
+/// A grid on the plane z = 0.
+Scene table(int rows) {
+  Scene scene;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      add({0.4F + 0.3F * static_cast<float>(x), -0.5F + 0.3F * static_cast<float>(y), 0.0F}, scene);
+    }
+  }
+  return scene;
+}
+
+Vector seen_at(const Rigid<float>& T_map_object) {
+  const Vector p = camera_pose().inverse() * T_map_object.translation;
+  return p / p.z();
+}
+
+TEST(HandheldPlacement, AnObjectStandsOnThePlaneWhereTheRayMeetsIt) {
+  const Scene scene = table(5);
+  const Vector ray(0.2F, -0.1F, 1.0F);
+  Random random(1);
+  Rigid<float> place;
+  ASSERT_TRUE(place_on_ray(scene, camera_pose(), ray, random, place));
+  EXPECT_NEAR(place.translation.z(), 0.0F, 1e-4F);
+  EXPECT_NEAR((seen_at(place) - ray).norm(), 0.0F, 1e-4F);
+  EXPECT_NEAR((place.rotation * Vector(0.0F, 0.0F, 1.0F)).z(), 1.0F, 1e-4F);
+}
+
+TEST(HandheldPlacement, WithoutAPlaneItIsAsFarAsThePointBesideTheRay) {
+  Scene scene;
+  for (int i = 0; i < 12; ++i) {
+    const auto t = static_cast<float>(i);
+    const Vector p_camera = (2.0F + static_cast<float>(i * i % 7)) *
+                            Vector(-0.5F + 0.09F * t, 0.1F * static_cast<float>(i % 3), 1.0F);
+    add(camera_pose() * p_camera, scene);
+  }
+  const Vector beside = camera_pose().inverse() * scene.points[5];
+  const Vector ray(beside.x() / beside.z() + 0.01F, beside.y() / beside.z(), 1.0F);
+  Random random(1);
+  Rigid<float> place;
+  ASSERT_TRUE(place_on_ray(scene, camera_pose(), ray, random, place));
+  EXPECT_NEAR((camera_pose().inverse() * place.translation).z(), beside.z(), 1e-4F);
+  EXPECT_NEAR((seen_at(place) - ray).norm(), 0.0F, 1e-4F);
+  const Vector up =
+      camera_pose().rotation.conjugate() * (place.rotation * Vector(0.0F, 0.0F, 1.0F));
+  EXPECT_NEAR(up.y(), -1.0F, 1e-5F);
+}
+
+TEST(HandheldPlacement, ARayAboveThePlanesHorizonFindsADepthAllTheSame) {
+  const Vector up(0.0F, -2.0F, 1.0F);
+  Random random(1);
+  Rigid<float> place;
+  ASSERT_TRUE(place_on_ray(table(5), camera_pose(), up, random, place));
+  const float depth = (camera_pose().inverse() * place.translation).z();
+  EXPECT_GT(depth, 0.5F);
+  EXPECT_LT(depth, 10.0F);
+}
+
+TEST(HandheldPlacement, TooFewPointsLeaveThePlaceUnchanged) {
+  Random random(1);
+  Rigid<float> place;
+  place.translation = Vector(7.0F, 8.0F, 9.0F);
+  EXPECT_FALSE(place_on_ray(table(2), camera_pose(), Vector(0.0F, 0.0F, 1.0F), random, place));
+  EXPECT_EQ(place.translation, Vector(7.0F, 8.0F, 9.0F));
+}
+
+}  // namespace
