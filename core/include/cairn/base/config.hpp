@@ -2,13 +2,6 @@
 
 namespace cairn {
 
-/// Capacities of a KeyframeWindow.
-struct WindowBounds {
-  static constexpr int kKeyframes = 7;    ///< whose poses are estimated together
-  static constexpr int kLandmarks = 128;  ///< followed, or held by two keyframes at least
-  static constexpr int kPoses = 32;       ///< of keyframes, and of hosts that left the window
-};
-
 /// Capacities of one build of the core: template parameter of filters, tracker and map, so that
 /// several can live side by side. Everything that a frame's work is a product of is fixed here.
 struct DefaultConfig {
@@ -22,8 +15,6 @@ struct DefaultConfig {
   static constexpr int kMaxKeyframes = 8;             ///< past positions in the filter's state
   static constexpr int kRelocalisationFeatures = 96;  ///< of an image that is relocalised
   static constexpr int kRelocalisationMatches = 96;   ///< the best of their matches, for the pose
-  using Window = WindowBounds;                        ///< of WindowTracker
-  static constexpr int kWindowFeatures = 64;          ///< that it follows
 };
 
 struct TinyConfig : DefaultConfig {

@@ -3,17 +3,18 @@
 #include "cairn/ar/plane_fit.hpp"
 #include "cairn/base/fixed_vector.hpp"
 #include "cairn/geometry/rigid.hpp"
-#include "cairn/mono/mono_ekf.hpp"
+#include "cairn/numeric/random.hpp"
 
 namespace cairn {
 
 /// A place for an object in front of a hand-held camera: on the plane of the features where most of
 /// them lie on one, else upright at their median depth. False while fewer than ten features are
 /// known to a fifth of their depth; `T_map_object` is then unchanged. `random`: the caller's own,
-/// so that placing an object does not change the tracking. Cost: fit_plane() with all features.
-template <class T, int MaxFeatures, int MaxAnchors>
-bool place_on_features(const MonoEkf<T, MaxFeatures, MaxAnchors>& filter, Random& random,
-                       Rigid<float>& T_map_object) {
+/// so that placing an object does not change the tracking. `filter`: MonoEkf or WindowTracker.
+/// Cost: fit_plane() with all features.
+template <class Filter>
+bool place_on_features(const Filter& filter, Random& random, Rigid<float>& T_map_object) {
+  constexpr int MaxFeatures = Filter::kMaxFeatures;
   static_assert(MaxFeatures <= kMaxPlanePoints, "the plane is fitted to all features");
   constexpr int kMinPoints = 10;
   const Rigid<float> T_map_camera = filter.T_world_camera();

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 
-#include "cairn/base/config.hpp"
 #include "cairn/base/fixed_vector.hpp"
 #include "cairn/base/hash.hpp"
 #include "cairn/base/status.hpp"
@@ -11,6 +10,7 @@
 #include "cairn/numeric/packed_symmetric.hpp"
 #include "cairn/window/inverse_depth_view.hpp"
 #include "cairn/window/schur_solve.hpp"
+#include "cairn/window/window_bounds.hpp"
 #include "cairn/window/window_pose.hpp"
 
 namespace cairn {
