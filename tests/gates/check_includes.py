@@ -26,11 +26,12 @@ BELOW = {
     "estimation": "base numeric geometry",
     "planar": "base numeric geometry estimation",
     "mono": "base numeric geometry estimation",
+    "window": "base numeric geometry estimation",
     "map": "base numeric vision geometry estimation",
     "ar": "base numeric vision geometry",
-    "tracking": "base numeric vision geometry estimation planar mono map",
-    "runtime": "base numeric vision geometry estimation planar mono map tracking ar",
-    "c_api": "base numeric vision geometry estimation planar mono map tracking ar runtime",
+    "tracking": "base numeric vision geometry estimation planar mono window map",
+    "runtime": "base numeric vision geometry estimation planar mono window map tracking ar",
+    "c_api": "base numeric vision geometry estimation planar mono window map tracking ar runtime",
 }
 # Headers that lie in no module's folder, and the module whose rules hold for them. The version's may be
 # included by every module.

@@ -38,9 +38,8 @@ struct ScenePoints {
 };
 
 /// The features that are known to a fifth of their depth.
-template <class T, int MaxFeatures, int MaxAnchors>
-void gather_known_features(const MonoEkf<T, MaxFeatures, MaxAnchors>& filter,
-                           ScenePoints<MaxFeatures>& scene) {
+template <class Filter>
+void gather_known_features(const Filter& filter, ScenePoints<Filter::kMaxFeatures>& scene) {
   const Rigid<float> T_camera_map = filter.T_world_camera().inverse();
   for (int slot = 0; slot < filter.feature_count(); ++slot) {
     Vector3<float> p_map;
@@ -61,11 +60,11 @@ inline Rigid<float> upright_in_view(const Rigid<float>& T_map_camera, const Vect
 /// A place for an object in front of a hand-held camera: on the plane of the features where most of
 /// them lie on one, else upright at their median depth. False while fewer than ten features are
 /// known to a fifth of their depth; `T_map_object` is then unchanged. `random`: the caller's own,
-/// so that placing an object does not change the tracking. Cost: fit_plane() with all features.
-template <class T, int MaxFeatures, int MaxAnchors>
-bool place_on_features(const MonoEkf<T, MaxFeatures, MaxAnchors>& filter, Random& random,
-                       Rigid<float>& T_map_object) {
-  ScenePoints<MaxFeatures> scene;
+/// so that placing an object does not change the tracking. `filter`: MonoEkf or WindowTracker.
+/// Cost: fit_plane() with all features.
+template <class Filter>
+bool place_on_features(const Filter& filter, Random& random, Rigid<float>& T_map_object) {
+  ScenePoints<Filter::kMaxFeatures> scene;
   gather_known_features(filter, scene);
   if (scene.points.size() < scene.kMinPoints) return false;
   const Rigid<float> T_map_camera = filter.T_world_camera();
@@ -135,12 +134,12 @@ bool place_on_ray(const ScenePoints<MaxPoints>& scene, const Rigid<float>& T_map
 
 /// place_on_ray() with the features that are known to a fifth of their depth and the ray of a
 /// pixel. False also for a pixel that is not in the image.
-template <class T, int MaxFeatures, int MaxAnchors>
-bool place_at_pixel(const MonoEkf<T, MaxFeatures, MaxAnchors>& filter, const Vector2<float>& pixel,
-                    Random& random, Rigid<float>& T_map_object) {
+template <class Filter>
+bool place_at_pixel(const Filter& filter, const Vector2<float>& pixel, Random& random,
+                    Rigid<float>& T_map_object) {
   Vector3<float> ray;
   if (!filter.camera().contains(pixel) || !ok(filter.camera().unproject(pixel, ray))) return false;
-  ScenePoints<MaxFeatures> scene;
+  ScenePoints<Filter::kMaxFeatures> scene;
   gather_known_features(filter, scene);
   return place_on_ray(scene, filter.T_world_camera(), ray, random, T_map_object);
 }

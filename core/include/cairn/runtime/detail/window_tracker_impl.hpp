@@ -1,0 +1,289 @@
+#pragma once
+
+#include "cairn/runtime/window_tracker.hpp"
+
+namespace cairn {
+
+template <class Config>
+Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
+                                         const Parameters& parameters) {
+  Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
+  if (ok(status)) status = parameters.validate();
+  if (!ok(status)) return status;
+  WindowParameters<float> window = parameters.window;
+  window.sigma = parameters.sigma_px / camera.fx;
+  status = window_.initialise(window);
+  if (!ok(status)) return status;
+  parameters_ = parameters;
+  parameters_.window = window;
+  camera_ = camera;
+  features_.reset(parameters.features);
+  motion_.reset();
+  rotation_.reset(parameters.rotation);
+  input_.reset(parameters.max_step_us);
+  repeated_.reset();
+  clock_.reset(kStepsOfClock * parameters.max_step_us);
+  work_.reset(parameters.work_limit, 0);
+  random_ = Random(1);
+  health_ = Health{};
+  next_id_ = 1;
+  state_ = TrackingState::kInitialising;
+  T_camera_world_ = Rigid<float>();
+  frame_covariance_.setZero();
+  covariance_.setZero();
+  for (Matrix3<float>& attitude : attitude_) attitude.setZero();
+  lost_attitude_.setZero();
+  blind_s_ = typical_inverse_depth_ = 0.0F;
+  inliers_ = weak_frames_ = since_keyframe_ = frames_without_step_ = 0;
+  return Status::kOk;
+}
+
+template <class Config>
+Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t t_us,
+                                            const TickSource& ticks, FrameReport& report) {
+  const Status accepted = input_.check(image, camera_, t_us, clock_, health_);
+  if (!ok(accepted)) return accepted;
+  report = FrameReport{};
+  report.t_us = t_us;
+  FrameContext frame{image, camera_, work_, random_, report, health_};
+  StageTimer timer(ticks, report);
+  work_.begin(work::kWindowFrame + work::repeated_image(image.width, image.height) +
+              work::quarter_image(image.width, image.height));
+  Status status = Status::kRepeatedImage;
+  if (repeated_.take(image) && state_ != TrackingState::kLost) {
+    ++health_.repeated_images;
+    timer.end(Stage::kPreprocess);
+  } else {
+    features_.begin(image);
+    rotation_.take(frame);
+    const FrameStep step = input_.accept(t_us, health_);
+    blind_s_ += static_cast<float>(step.us) * 1e-6F;
+    timer.end(Stage::kPreprocess);
+    if (window_.keyframes() == 0) {
+      status = begin_anew(frame) ? Status::kOk : Status::kLowTexture;
+      timer.end(Stage::kFeatures);
+    } else {
+      status = track(frame, step, timer);
+    }
+  }
+  report.status = status;
+  report.state = state_;
+  if (status == Status::kRepeatedImage && state_ == TrackingState::kTracking) {
+    report.state = TrackingState::kUncertain;
+  }
+  report.T_world_camera = T_camera_world_.inverse();
+  report.T_map_camera = report.T_world_camera;
+  report.landmarks = features_.size();
+  work_.end(0, report, health_);
+  return status;
+}
+
+template <class Config>
+Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, StageTimer& timer) {
+  const Rigid<float> predicted = predict(frame, step);
+  timer.end(Stage::kPosePrediction);
+  find_features(frame, predicted);
+  timer.end(Stage::kFeatures);
+  Rigid<float> pose;
+  const int found = features_.found();
+  inliers_ = estimate(frame, predicted, pose);
+  frame.report.matches = found;
+  const float least = parameters_.min_inlier_share * static_cast<float>(found);
+  ++since_keyframe_;
+  Status status = step.gap ? Status::kTimeGap : Status::kOk;
+  if (inliers_ >= parameters_.min_inliers && static_cast<float>(inliers_) >= least) {
+    frame.report.inliers = inliers_;
+    accept(frame, pose, step);
+    drop_missed(frame, pose);
+    if (wants_keyframe()) static_cast<void>(make_keyframe(frame));
+    const bool known = 2 * known_depths() >= inliers_;
+    state_ = known ? TrackingState::kTracking : TrackingState::kUncertain;
+  } else {
+    status = found < parameters_.min_inliers ? Status::kLowTexture : Status::kNoConsensus;
+    if (found < parameters_.min_inliers) ++health_.low_texture_frames;
+    drop_missed(frame, predicted);
+    note_weak(frame);
+    if (state_ == TrackingState::kLost) status = Status::kLost;
+  }
+  improve_window(frame);
+  update_covariance();
+  timer.end(Stage::kPoseUpdate);
+  return status;
+}
+
+/// With constant velocity and rate; where the whole picture turned otherwise, with its rotation.
+template <class Config>
+Rigid<float> WindowTracker<Config>::predict(FrameContext& frame, const FrameStep& step) {
+  const float dt_s = static_cast<float>(step.us) * 1e-6F;
+  if (step.gap) motion_.forget();
+  const float depth = typical_inverse_depth_ > 0.0F ? typical_inverse_depth_
+                                                    : parameters_.window.first_inverse_depth;
+  if (!step.gap && rotation_.seek(frame, motion_.rate_radps(), motion_.speed(), depth, dt_s)) {
+    return motion_.predict_turned(T_camera_world_, rotation_.rotation(), dt_s);
+  }
+  return motion_.predict(T_camera_world_, dt_s);
+}
+
+/// Where the window expects a feature; relative to where it was, so that what its depth gets wrong
+/// counts only for the movement since.
+template <class Config>
+Vector2<float> WindowTracker<Config>::expected_pixel(const WindowFeature& feature,
+                                                     const Rigid<float>& predicted) const {
+  Vector2<float> before;
+  Vector2<float> after;
+  Vector2<float> pixel_before;
+  Vector2<float> pixel_after;
+  if (!window_.project(feature.slot, T_camera_world_, before) ||
+      !window_.project(feature.slot, predicted, after) ||
+      !ok(camera_.project(Vector3<float>(before.x(), before.y(), 1.0F), pixel_before)) ||
+      !ok(camera_.project(Vector3<float>(after.x(), after.y(), 1.0F), pixel_after))) {
+    return feature.pixel;
+  }
+  return feature.pixel + pixel_after - pixel_before;
+}
+
+template <class Config>
+bool WindowTracker<Config>::search(FrameContext& frame, const Rigid<float>& predicted, int first,
+                                   int last, int radius) {
+  const int each =
+      work::template_search(radius) + work::template_search(parameters_.features.full_radius_px);
+  const bool window_waits = window_.working() && frames_without_step_ >= kMostWithoutStep;
+  const int later = work::window_pose(kMaxFeatures) + (window_waits ? window_.step_work() : 0);
+  for (int i = first; i < last; ++i) {
+    if (!frame.work.affords(each + later)) {
+      frame.work.raise_cut(i == 0 ? FrameCut::kPredictionOnly : FrameCut::kFewerUpdates);
+      return false;
+    }
+    features_.search(frame, i, expected_pixel(features_[i], predicted), radius);
+    ++frame.report.searched;
+  }
+  return true;
+}
+
+/// The first features are searched in wide windows. Where they agree on a pose, the others are
+/// close to where it expects them.
+template <class Config>
+void WindowTracker<Config>::find_features(FrameContext& frame, const Rigid<float>& predicted) {
+  const typename Features::Parameters& p = parameters_.features;
+  const int all = features_.size();
+  const int first = p.first_features < all ? p.first_features : all;
+  if (!search(frame, predicted, 0, first, p.wide_radius_px)) return;
+  Rigid<float> pose = predicted;
+  Matrix<float, 6, 6> covariance;
+  WindowPoseOptions<float> options;
+  options.sigma = parameters_.window.sigma;
+  const int found = gather(sightings_, sighted_);
+  frame.work.spend(work::window_pose(found));
+  const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
+  const bool agree = inliers >= parameters_.min_inliers && 4 * inliers >= 3 * found;
+  search(frame, agree ? pose : predicted, first, all,
+         agree ? p.narrow_radius_px : p.wide_radius_px);
+}
+
+template <class Config>
+int WindowTracker<Config>::gather(WindowSighting<float>* sightings, int* features) const {
+  int count = 0;
+  for (int i = 0; i < features_.size(); ++i) {
+    const WindowFeature& feature = features_[i];
+    if (!feature.found) continue;
+    const Vector3<float> ray = camera_.unproject(feature.pixel);
+    sightings[count] = window_.sighting(feature.slot);
+    sightings[count].seen = Vector2<float>(ray.x(), ray.y());
+    features[count++] = i;
+  }
+  return count;
+}
+
+/// From where the camera is predicted and from where it was; the start with more inliers counts.
+template <class Config>
+int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& predicted,
+                                    Rigid<float>& pose) {
+  WindowPoseOptions<float> options;
+  options.sigma = parameters_.window.sigma;
+  const int found = gather(sightings_, sighted_);
+  frame.work.spend(2 * work::window_pose(found));
+  pose = predicted;
+  Rigid<float> standing = T_camera_world_;
+  Matrix<float, 6, 6> covariance;
+  const int from_standing = estimate_window_pose(sightings_, found, options, standing, covariance);
+  bool inlier[kMaxFeatures];
+  for (int i = 0; i < found; ++i) inlier[i] = sightings_[i].inlier;
+  frame_covariance_ = covariance;
+  const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
+  if (from_standing > inliers) {
+    pose = standing;
+    for (int i = 0; i < found; ++i) sightings_[i].inlier = inlier[i];
+    return from_standing;
+  }
+  if (inliers >= 0) frame_covariance_ = covariance;
+  return inliers;
+}
+
+template <class Config>
+void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose,
+                                   const FrameStep& step) {
+  const int found = features_.found();
+  for (int k = 0; k < found; ++k) {
+    WindowFeature& feature = features_[sighted_[k]];
+    if (sightings_[k].inlier) {
+      feature.outliers = 0;
+      ++health_.innovations_used;
+    } else {
+      ++health_.innovations_gated;
+      ++frame.report.update.gated;
+      ++feature.outliers;
+    }
+  }
+  motion_.note(T_camera_world_, pose, static_cast<float>(step.us) * 1e-6F);
+  T_camera_world_ = pose;
+  weak_frames_ = 0;
+  blind_s_ = 0.0F;
+}
+
+template <class Config>
+void WindowTracker<Config>::remove(FrameContext& frame, int i) {
+  window_.retire(features_[i].slot);
+  features_.remove(i);
+  ++frame.report.removed;
+  ++health_.landmarks_removed;
+}
+
+/// Gives up what was missed too often, left the view, or does not agree.
+template <class Config>
+void WindowTracker<Config>::drop_missed(FrameContext& frame, const Rigid<float>& pose) {
+  for (int i = features_.size() - 1; i >= 0; --i) {
+    const WindowFeature& feature = features_[i];
+    const bool kept = feature.found ? feature.outliers < parameters_.max_outliers
+                                    : features_.miss(frame, i, expected_pixel(feature, pose));
+    if (!kept) remove(frame, i);
+  }
+}
+
+template <class Config>
+bool WindowTracker<Config>::wants_keyframe() const {
+  if (since_keyframe_ < 2) return false;
+  const Quaternion<float> turned =
+      T_camera_world_.rotation * window_.newest_pose().rotation.conjugate();
+  const Matrix3<float> rotation = turned.toRotationMatrix();
+  float sum = 0.0F;
+  int common = 0;
+  int found = 0;
+  for (int i = 0; i < features_.size(); ++i) {
+    if (!features_[i].found) continue;
+    ++found;
+    Vector2<float> before;
+    if (!window_.newest_sees(features_[i].slot, before)) continue;
+    const Vector3<float> p = rotation * Vector3<float>(before.x(), before.y(), 1.0F);
+    const Vector3<float> ray = camera_.unproject(features_[i].pixel);
+    if (!(p.z() > 0.0F)) continue;
+    sum += sqrt(square(ray.x() - p.x() / p.z()) + square(ray.y() - p.y() / p.z()));
+    ++common;
+  }
+  const float parallax = parameters_.keyframe_parallax_px / camera_.fx;
+  return sum > parallax * static_cast<float>(common) || 2 * common < found ||
+         static_cast<float>(found) <
+             parameters_.keyframe_share * static_cast<float>(at_keyframe_) ||
+         since_keyframe_ >= parameters_.keyframe_frames;
+}
+
+}  // namespace cairn

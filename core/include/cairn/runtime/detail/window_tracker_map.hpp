@@ -1,0 +1,163 @@
+#pragma once
+
+#include "cairn/runtime/window_tracker.hpp"
+
+namespace cairn {
+
+/// The present frame becomes a keyframe, and new landmarks begin in it.
+template <class Config>
+bool WindowTracker<Config>::make_keyframe(FrameContext& frame) {
+  frame.work.spend(work::kWindowNewest);
+  window_.begin_keyframe(T_camera_world_);
+  for (int i = features_.size() - 1; i >= 0; --i) {
+    if (!window_.used(features_[i].slot)) features_.remove(i);  // its host was given up
+  }
+  for (int i = 0; i < features_.size(); ++i) {
+    const WindowFeature& feature = features_[i];
+    if (!feature.found || feature.outliers > 0) continue;
+    const Vector3<float> ray = camera_.unproject(feature.pixel);
+    window_.observe(feature.slot, Vector2<float>(ray.x(), ray.y()));
+  }
+  features_.renew_templates(frame);
+  const int added = features_.add(frame, window_, next_id_);
+  at_keyframe_ = features_.size();
+  window_.finish_keyframe();
+  since_keyframe_ = 0;
+  return added > 0;
+}
+
+/// The frame's pose stays where it is relative to the newest keyframe.
+template <class Config>
+void WindowTracker<Config>::improve_window(FrameContext& frame) {
+  constexpr int kMostSteps = 64;
+  if (window_.keyframes() == 0) return;
+  const Rigid<float> before = window_.newest_pose();
+  const int mirrored = window_.mirrored();
+  const int each = window_.step_work();
+  ++frames_without_step_;
+  for (int i = 0; i < kMostSteps && window_.working(); ++i) {
+    if (!frame.work.affords(each)) {
+      frame.work.raise_cut(FrameCut::kNoMapping);
+      break;
+    }
+    frame.work.spend(each);
+    window_.step();
+    frames_without_step_ = 0;
+  }
+  Rigid<float> from_newest = T_camera_world_ * before.inverse();
+  if (window_.mirrored() != mirrored) {
+    from_newest.translation = -from_newest.translation;
+    motion_.mirror();
+  }
+  T_camera_world_ = from_newest * window_.newest_pose();
+  T_camera_world_.rotation.coeffs() *= 1.0F / sqrt(T_camera_world_.rotation.squaredNorm());
+  for (int i = features_.size() - 1; i >= 0; --i) {
+    if (!window_.live(features_[i].slot)) remove(frame, i);
+  }
+  const float typical = window_.typical_inverse_depth(T_camera_world_);
+  if (typical > 0.0F) typical_inverse_depth_ = typical;
+}
+
+template <class Config>
+void WindowTracker<Config>::note_weak(FrameContext& frame) {
+  ++weak_frames_;
+  motion_.forget();
+  state_ = TrackingState::kUncertain;
+  if (weak_frames_ <= parameters_.weak_frames && features_.size() >= parameters_.min_inliers)
+    return;
+  ++health_.losses;
+  lost_attitude_ = attitude_[window_.newest()];
+  state_ = TrackingState::kLost;
+  static_cast<void>(begin_anew(frame));
+}
+
+/// A new map where the camera is believed to be. False, still without one, where the picture shows
+/// too little.
+template <class Config>
+bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
+  const bool first = state_ == TrackingState::kInitialising;
+  window_.clear(typical_inverse_depth_ > 0.0F ? typical_inverse_depth_
+                                              : parameters_.window.first_inverse_depth);
+  features_.clear();
+  motion_.forget();
+  weak_frames_ = 0;
+  static_cast<void>(make_keyframe(frame));
+  if (features_.size() >= parameters_.min_inliers) {
+    attitude_[window_.newest()] = lost_attitude_ + square(parameters_.blind_rate_radps * blind_s_) *
+                                                       Matrix3<float>::Identity();
+    blind_s_ = 0.0F;
+    if (!first) ++health_.resets;
+    return true;
+  }
+  window_.clear();
+  features_.clear();
+  return false;
+}
+
+template <class Config>
+int WindowTracker<Config>::known_depths() const {
+  int known = 0;
+  for (int i = 0; i < features_.size(); ++i) {
+    const WindowFeature& feature = features_[i];
+    known += feature.found && window_.sigma(feature.slot) <
+                                  parameters_.known_depth * window_.inverse_depth(feature.slot)
+                 ? 1
+                 : 0;
+  }
+  return known;
+}
+
+/// The attitude's error is that of the window's reference when it was the newest keyframe, of the
+/// newest keyframe relative to it, of the frame relative to the landmarks, and what the focal
+/// length's error makes of all turns.
+template <class Config>
+void WindowTracker<Config>::update_covariance() {
+  if (window_.keyframes() == 0) return;
+  const float inflation = square(parameters_.covariance_factor);
+  const Matrix<float, 6, 6>& newest = window_.newest_covariance();
+  const Matrix3<float> newest_axes = window_.newest_pose().rotation.conjugate().toRotationMatrix();
+  const int reference = window_.reference();
+  if (window_.newest() != reference) {
+    attitude_[window_.newest()] =
+        attitude_[reference] +
+        inflation * (newest_axes * newest.topLeftCorner<3, 3>() * newest_axes.transpose());
+  }
+  const Matrix3<float> R_world_camera = T_camera_world_.rotation.conjugate().toRotationMatrix();
+  const Vector3<float> turned = rotation_log(T_camera_world_.rotation);
+  const float unknown = square(parameters_.focal_sigma) * turned.squaredNorm() +
+                        square(parameters_.blind_rate_radps * blind_s_);
+  covariance_ = Matrix<float, 6, 6>::Zero();
+  const Matrix<float, 6, 6> own = inflation * (frame_covariance_ + newest);
+  covariance_.topLeftCorner<3, 3>() = own.bottomRightCorner<3, 3>();
+  covariance_.bottomRightCorner<3, 3>() =
+      R_world_camera.transpose() * attitude_[window_.newest()] * R_world_camera +
+      inflation * frame_covariance_.topLeftCorner<3, 3>() + unknown * Matrix3<float>::Identity();
+}
+
+template <class Config>
+Status WindowTracker<Config>::feature_position(int i, Vector3<float>& p,
+                                               Matrix3<float>& covariance) const {
+  if (i < 0 || i >= features_.size()) return Status::kNotFound;
+  const int slot = features_[i].slot;
+  const float rho = window_.inverse_depth(slot);
+  const float relative = window_.sigma(slot) / rho;
+  if (!(relative < 1.0F)) return Status::kNotFound;
+  p = window_.position(slot);
+  const Vector3<float> ray = p - window_.sighting(slot).host;
+  const float squared = ray.squaredNorm();
+  const float across = square(parameters_.window.sigma) * squared;
+  covariance = across * Matrix3<float>::Identity() + square(relative) * (ray * ray.transpose());
+  return Status::kOk;
+}
+
+template <class Config>
+void WindowTracker<Config>::hash(Hash64& hash) const {
+  window_.hash(hash);
+  hash.add(static_cast<std::uint8_t>(state_));
+  hash.add(health_.landmarks_added);
+  hash.add(health_.landmarks_removed);
+  for (int i = 0; i < 4; ++i) hash.add(T_camera_world_.rotation.coeffs()(i));
+  for (int i = 0; i < 3; ++i) hash.add(T_camera_world_.translation(i));
+}
+
+}  // namespace cairn

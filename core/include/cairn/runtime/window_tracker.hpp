@@ -1,0 +1,174 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/base/config.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/tracking/frame_input.hpp"
+#include "cairn/tracking/handheld_rotation.hpp"
+#include "cairn/tracking/repeated_image.hpp"
+#include "cairn/tracking/stage_timer.hpp"
+#include "cairn/tracking/window_features.hpp"
+#include "cairn/tracking/window_motion.hpp"
+
+namespace cairn {
+
+namespace work {
+
+inline constexpr int kWindowFrame = 120;  ///< prediction, lists, reports
+inline constexpr int kWindowNewest = 60;  ///< of a keyframe: choice of the one to drop
+/// estimate_window_pose() with `sightings`, ten iterations.
+inline constexpr int window_pose(int sightings) {
+  return 20 + 8 * sightings;
+}
+/// QuarterImage::take().
+inline constexpr int quarter_image(int width, int height) {
+  return 1 + width * height / 800;
+}
+
+}  // namespace work
+
+/// Camera tracking from video alone by a window of keyframes (KeyframeWindow), with the interface
+/// of HandheldTracker. The world is the camera of the first frame; lengths are in a unit of its own
+/// (a landmark of the first frame is expected at a depth of one). Each frame: predict the pose, by
+/// constant velocity or by what turned the whole picture; find the landmarks by their templates;
+/// estimate the pose from them; make it a keyframe where the view has changed; improve the window
+/// with what is left of the frame's work; report.
+///
+/// Where too few landmarks agree for some frames the tracker is lost: it begins its map anew where
+/// it believes to be, with the depth that it saw last, so that the scale is kept roughly. It has no
+/// map library: what left the view is forgotten.
+///
+/// Deterministic, without random numbers. All storage is inside. One frame costs at most
+/// kWindowFeatures template searches, three poses, one pass of corner detection after a keyframe;
+/// the window's iterations wait for frames whose work affords them, and at most four frames for the
+/// first.
+template <class Config>
+class WindowTracker {
+ public:
+  using Features = WindowFeatures<Config>;
+  using Window = typename Features::Window;
+  static constexpr int kMaxFeatures = Features::kMaxFeatures;
+
+  struct Parameters {
+    WindowParameters<float> window;  ///< but for its sigma, which follows from sigma_px
+    float sigma_px = 0.8F;           ///< of a feature's pixel
+    typename Features::Parameters features;
+    HandheldRotation::Parameters rotation;
+    float keyframe_parallax_px = 12.0F;  ///< mean since the last keyframe, its rotation apart
+    float keyframe_share = 0.75F;  ///< found of the last one's features, below which one is made
+    int keyframe_frames = 12;      ///< since the last one, at most
+    int min_inliers = 8;
+    float min_inlier_share = 0.4F;  ///< of those found
+    int max_outliers = 2;           ///< of a feature, in a row; then it is given up
+    int weak_frames = 3;            ///< in a row, after which tracking is lost
+    float known_depth = 0.3F;       ///< relative sigma below which a depth counts as known
+    float focal_sigma = 0.03F;      ///< relative, of the camera file: in the attitude's covariance
+    /// Of the sigma: the square root of 64 landmarks, as if they shared all of their errors.
+    float covariance_factor = 8.0F;
+    float blind_rate_radps = 1.0F;      ///< sigma of a turn while too few landmarks are seen
+    int work_limit = 11600;             ///< units of WorkBudget a frame, drawing apart
+    std::int64_t max_step_us = 500000;  ///< a longer gap is not integrated
+
+    /// kBadConfig unless every value is finite and in its domain.
+    Status validate() const {
+      const auto share = [](float v) { return v >= 0.0F && v <= 1.0F; };
+      const bool parts =
+          ok(window.validate()) && ok(features.validate()) && ok(rotation.validate());
+      const bool good = parts && is_positive(sigma_px) && is_positive(keyframe_parallax_px) &&
+                        share(keyframe_share) && keyframe_frames >= 1 && min_inliers >= 4 &&
+                        share(min_inlier_share) && max_outliers >= 1 && max_outliers < 255 &&
+                        weak_frames >= 0 && is_positive(known_depth) && is_finite(focal_sigma) &&
+                        focal_sigma >= 0.0F && is_positive(covariance_factor) &&
+                        is_finite(blind_rate_radps) && blind_rate_radps >= 0.0F &&
+                        work_limit >= 0 && max_step_us > 0 &&
+                        max_step_us <= FrameInput::kLongestStepUs;
+      return good ? Status::kOk : Status::kBadConfig;
+    }
+  };
+
+  /// Starts anew. kBadConfig for an impossible camera or parameters; the tracker is then unchanged.
+  Status initialise(const PinholeCamera<float>& camera, const Parameters& parameters);
+
+  /// Tracks one frame. Refusals and kRepeatedImage: as HandheldTracker::process_frame(). Otherwise
+  /// report.status is kOk, kLowTexture, kNoConsensus, kTimeGap or kLost.
+  Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
+                       FrameReport& report);
+
+  /// As HandheldTracker::set_work_limit().
+  Status set_work_limit(int units) { return work_.set_limit(units); }
+
+  const PinholeCamera<float>& camera() const { return camera_; }
+  Rigid<float> T_world_camera() const { return T_camera_world_.inverse(); }
+  /// Of the pose, tangent (translation, rotation rad) in the axes of the camera: of the attitude
+  /// relative to the first camera, of the position relative to the window's fixed keyframes.
+  const Matrix<float, 6, 6>& pose_covariance() const { return covariance_; }
+  const Window& window() const { return window_; }
+  const Health& health() const { return health_; }
+  TrackingState state() const { return state_; }
+  /// Times that the mirrored solution was taken.
+  int mirrored() const { return window_.mirrored(); }
+
+  // What place_on_features() asks of a map.
+  int feature_count() const { return features_.size(); }
+  LandmarkId feature_id(int i) const { return window_.id(features_[i].slot); }
+  /// kNotFound where its depth is not known at all.
+  Status feature_position(int i, Vector3<float>& p, Matrix3<float>& covariance) const;
+  void hash(Hash64& hash) const;
+
+ private:
+  static constexpr int kStepsOfClock = 4;
+  static constexpr int kMostWithoutStep = 4;  ///< frames; then the searches leave work for one
+
+  Status track(FrameContext& frame, const FrameStep& step, StageTimer& timer);
+  Rigid<float> predict(FrameContext& frame, const FrameStep& step);
+  void find_features(FrameContext& frame, const Rigid<float>& predicted);
+  bool search(FrameContext& frame, const Rigid<float>& predicted, int first, int last, int radius);
+  Vector2<float> expected_pixel(const WindowFeature& feature, const Rigid<float>& predicted) const;
+  int gather(WindowSighting<float>* sightings, int* features) const;
+  int estimate(FrameContext& frame, const Rigid<float>& predicted, Rigid<float>& pose);
+  void accept(FrameContext& frame, const Rigid<float>& pose, const FrameStep& step);
+  void remove(FrameContext& frame, int i);
+  void drop_missed(FrameContext& frame, const Rigid<float>& pose);
+  bool wants_keyframe() const;
+  bool make_keyframe(FrameContext& frame);
+  void improve_window(FrameContext& frame);
+  void note_weak(FrameContext& frame);
+  bool begin_anew(FrameContext& frame);
+  int known_depths() const;
+  void update_covariance();
+
+  Parameters parameters_;
+  PinholeCamera<float> camera_;
+  Window window_;
+  Features features_;
+  WindowMotion motion_;
+  HandheldRotation rotation_;
+  FrameInput input_;
+  RepeatedImage repeated_;
+  InputClock clock_;
+  FrameWork work_;
+  Random random_;
+  Health health_;
+  LandmarkId next_id_ = 1;
+  TrackingState state_ = TrackingState::kInitialising;
+  Rigid<float> T_camera_world_;
+  Matrix<float, 6, 6> frame_covariance_ = Matrix<float, 6, 6>::Zero();
+  Matrix<float, 6, 6> covariance_ = Matrix<float, 6, 6>::Zero();
+  Matrix3<float> attitude_[WindowBounds::kPoses];          ///< of keyframes, in world axes
+  Matrix3<float> lost_attitude_ = Matrix3<float>::Zero();  ///< when tracking was lost
+  float blind_s_ = 0.0F;
+  float typical_inverse_depth_ = 0.0F;
+  int inliers_ = 0;
+  int weak_frames_ = 0;
+  int since_keyframe_ = 0;
+  int frames_without_step_ = 0;
+  int at_keyframe_ = 0;  ///< features, after the last one
+  WindowSighting<float> sightings_[kMaxFeatures];
+  int sighted_[kMaxFeatures] = {};  ///< feature of each
+};
+
+}  // namespace cairn
+
+#include "cairn/runtime/detail/window_tracker_impl.hpp"
+#include "cairn/runtime/detail/window_tracker_map.hpp"

@@ -1,0 +1,303 @@
+#pragma once
+
+#include "cairn/window/keyframe_window.hpp"
+
+namespace cairn {
+
+template <class T, class Bounds>
+Status KeyframeWindow<T, Bounds>::initialise(const Parameters& parameters) {
+  const Status status = parameters.validate();
+  if (!ok(status)) return status;
+  parameters_ = parameters;
+  clear();
+  return Status::kOk;
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::clear() {
+  for (Landmark& landmark : landmarks_) landmark = Landmark();
+  for (bool& used : pose_used_) used = false;
+  order_.clear();
+  started_ = mirrored_ = left_ = mirror_left_ = 0;
+  present_ = 0;
+  solved_ = false;
+  newest_covariance_.setZero();
+}
+
+/// The place of a pose in the window, -1 for a host that has left it.
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::place_of(int pose) const {
+  for (const std::int8_t place : order_) {
+    if (slot_of_[place] == pose) return place;
+  }
+  return -1;
+}
+
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::free_place() {
+  bool taken[kKeyframes] = {};
+  for (const std::int8_t place : order_) taken[place] = true;
+  int place = 0;
+  while (taken[place]) ++place;
+  return place;
+}
+
+/// With none free, the host outside the window with the fewest landmarks is given up, and they with
+/// it.
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::free_pose() {
+  int hosted[kPoses] = {};
+  for (const Landmark& landmark : landmarks_) {
+    if (landmark.used) ++hosted[landmark.host];
+  }
+  int best = -1;
+  for (int pose = 0; pose < kPoses; ++pose) {
+    if (place_of(pose) >= 0) continue;
+    if (best < 0 || hosted[pose] < hosted[best]) best = pose;
+  }
+  for (Landmark& landmark : landmarks_) {
+    if (landmark.used && landmark.host == best) landmark = Landmark();
+  }
+  pose_used_[best] = true;
+  return best;
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::drop(int index) {
+  const auto flag = static_cast<std::uint8_t>(1U << static_cast<unsigned>(order_[index]));
+  for (Landmark& landmark : landmarks_) {
+    landmark.seen = static_cast<std::uint8_t>(landmark.seen & ~flag);
+  }
+  for (int i = index; i + 1 < order_.size(); ++i) order_[i] = order_[i + 1];
+  order_.pop_back();
+}
+
+/// Index of the keyframe to drop before one at `newest`: one that sees next to nothing of what is
+/// followed, else the one with the largest distance score. The newest stays.
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::worst_keyframe(const Rigid<T>& newest) const {
+  constexpr int kFew = 5;
+  constexpr T kNear = T(1e-3);
+  const int count = order_.size();
+  Vector3<T> centre[kKeyframes];
+  for (int i = 0; i < count; ++i) {
+    centre[i] = now().pose[slot_of_[order_[i]]].inverse().translation;
+  }
+  const Vector3<T> here = newest.inverse().translation;
+  int worst = 0;
+  T most = T(-1);
+  for (int i = 0; i + 1 < count; ++i) {
+    int visible = 0;
+    for (const Landmark& landmark : landmarks_) {
+      visible += landmark.live && ((landmark.seen >> order_[i]) & 1) != 0 ? 1 : 0;
+    }
+    if (visible < kFew) return i;
+    T score = T(1) / (sqrt((centre[i] - here).squaredNorm()) + kNear);
+    for (int j = 0; j < count; ++j) {
+      if (j != i) score += T(1) / (sqrt((centre[i] - centre[j]).squaredNorm()) + kNear);
+    }
+    score *= sqrt(sqrt((centre[i] - here).squaredNorm()) + T(1e-6));
+    if (score > most) {
+      most = score;
+      worst = i;
+    }
+  }
+  return worst;
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
+  if (order_.full()) drop(worst_keyframe(T_camera_world));
+  const int before = order_.empty() ? -1 : slot_of_[order_.back()];
+  const int place = free_place();
+  const int pose = free_pose();
+  slot_of_[place] = static_cast<std::int8_t>(pose);
+  order_.push_back(static_cast<std::int8_t>(place));
+  ++started_;
+  now().pose[pose] = T_camera_world;
+  if (mirror_left_ == 0 || before < 0) return;
+  // In the mirrored world the camera turned the same way and moved the other.
+  Solution& mirrored = solutions_[1 - present_];
+  Rigid<T> moved = T_camera_world * now().pose[before].inverse();
+  moved.translation = -moved.translation;
+  mirrored.pose[pose] = moved * mirrored.pose[before];
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::observe(int slot, const Vector2<T>& seen) {
+  const int place = order_.back();
+  observed_[place][slot] = seen;
+  Landmark& landmark = landmarks_[slot];
+  landmark.seen = static_cast<std::uint8_t>(landmark.seen | (1U << static_cast<unsigned>(place)));
+}
+
+template <class T, class Bounds>
+bool KeyframeWindow<T, Bounds>::newest_sees(int slot, Vector2<T>& seen) const {
+  const int place = order_.back();
+  if (!landmarks_[slot].used || ((landmarks_[slot].seen >> place) & 1) == 0) return false;
+  seen = observed_[place][slot];
+  return true;
+}
+
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& seen) {
+  int slot = 0;
+  while (slot < kLandmarks && landmarks_[slot].used) ++slot;
+  if (slot == kLandmarks) return -1;
+  Landmark& landmark = landmarks_[slot];
+  landmark = Landmark();
+  landmark.id = id;
+  landmark.ray = seen;
+  landmark.host = slot_of_[order_.back()];
+  const T typical = typical_inverse_depth(newest_pose());
+  landmark.prior = typical > T(0) ? typical : parameters_.first_inverse_depth;
+  landmark.prior_sigma = parameters_.depth_prior_sigma * landmark.prior;
+  landmark.sigma = landmark.prior_sigma;
+  landmark.used = landmark.live = true;
+  for (Solution& solution : solutions_) solution.rho[slot] = landmark.prior;
+  observe(slot, seen);
+  return slot;
+}
+
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::observers(const Landmark& landmark) const {
+  int count = 0;
+  for (int place = 0; place < kKeyframes; ++place) count += (landmark.seen >> place) & 1;
+  return count;
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::forget_unused() {
+  for (Landmark& landmark : landmarks_) {
+    if (landmark.used && !landmark.live && observers(landmark) < 2) landmark = Landmark();
+  }
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::finish_keyframe() {
+  forget_unused();
+  if (started_ < 2) return;
+  left_ = parameters_.iterations;
+}
+
+/// Inverse depths and motions mirrored about their mean: what the present solution is mistaken for.
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::begin_mirror() {
+  constexpr T kLeast = T(0.05);  // of the mean
+  Solution& mirrored = solutions_[1 - present_];
+  mirrored = now();
+  T mean = T(0);
+  int count = 0;
+  for (int slot = 0; slot < kLandmarks; ++slot) {
+    if (!landmarks_[slot].used) continue;
+    mean += now().rho[slot];
+    ++count;
+  }
+  if (count == 0) return;
+  mean /= static_cast<T>(count);
+  for (int slot = 0; slot < kLandmarks; ++slot) {
+    const T flipped = T(2) * mean - now().rho[slot];
+    mirrored.rho[slot] = flipped > kLeast * mean ? flipped : kLeast * mean;
+  }
+  const Rigid<T> first = now().pose[slot_of_[order_[0]]];
+  const Rigid<T> to_first = first.inverse();
+  for (const std::int8_t place : order_) {
+    Rigid<T> moved = now().pose[slot_of_[place]] * to_first;
+    moved.translation = -moved.translation;
+    mirrored.pose[slot_of_[place]] = moved * first;
+  }
+  mirror_left_ = parameters_.mirrored_iterations;
+  mirror_damping_ = kFirstDamping;
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::forget_outliers() {
+  for (int slot = 0; slot < kLandmarks; ++slot) {
+    Landmark& landmark = landmarks_[slot];
+    if (!landmark.used) continue;
+    int seen = 0;
+    int bad = 0;
+    for (const std::int8_t place : order_) {
+      const int pose = slot_of_[place];
+      if (pose == landmark.host || ((landmark.seen >> place) & 1) == 0) continue;
+      ++seen;
+      Vector2<T> expected;
+      const T limit = parameters_.outlier_sigma * parameters_.sigma;
+      if (project(slot, now().pose[pose], expected) &&
+          (observed_[place][slot] - expected).squaredNorm() <= limit * limit) {
+        continue;
+      }
+      ++bad;
+      landmark.seen =
+          static_cast<std::uint8_t>(landmark.seen & ~(1U << static_cast<unsigned>(place)));
+    }
+    if (bad > 1 && 2 * bad > seen) landmark.live = false;
+  }
+}
+
+template <class T, class Bounds>
+WindowSighting<T> KeyframeWindow<T, Bounds>::sighting(int slot) const {
+  const Landmark& landmark = landmarks_[slot];
+  const Rigid<T> T_world_host = now().pose[landmark.host].inverse();
+  WindowSighting<T> s;
+  s.rho = now().rho[slot];
+  s.sigma = landmark.sigma;
+  s.host = T_world_host.translation;
+  s.direction =
+      T_world_host.rotation * Vector3<T>(landmark.ray.x(), landmark.ray.y(), T(1)) + s.rho * s.host;
+  return s;
+}
+
+template <class T, class Bounds>
+bool KeyframeWindow<T, Bounds>::project(int slot, const Rigid<T>& T_camera_world,
+                                        Vector2<T>& seen) const {
+  InverseDepthView<T> view;
+  const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
+  if (!view.project(step, landmarks_[slot].ray, now().rho[slot])) return false;
+  seen = view.seen;
+  return true;
+}
+
+template <class T, class Bounds>
+Vector3<T> KeyframeWindow<T, Bounds>::position(int slot) const {
+  const WindowSighting<T> s = sighting(slot);
+  return s.direction / s.rho;
+}
+
+template <class T, class Bounds>
+T KeyframeWindow<T, Bounds>::typical_inverse_depth(const Rigid<T>& T_camera_world) const {
+  constexpr int kFew = 8;
+  constexpr T kKnown = T(0.3);
+  FixedVector<T, kLandmarks> values;
+  for (int slot = 0; slot < kLandmarks; ++slot) {
+    const T rho = now().rho[slot];
+    if (!live(slot) || !(landmarks_[slot].sigma < kKnown * rho)) continue;
+    InverseDepthView<T> view;
+    const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
+    if (!view.project(step, landmarks_[slot].ray, rho)) continue;
+    values.push_back(rho / view.p.z());
+    for (int i = values.size() - 1; i > 0 && values[i - 1] > values[i]; --i) {
+      const T swapped = values[i];
+      values[i] = values[i - 1];
+      values[i - 1] = swapped;
+    }
+  }
+  return values.size() < kFew ? T(0) : values[values.size() / 2];
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::hash(Hash64& hash) const {
+  for (const std::int8_t place : order_) {
+    const Rigid<T>& pose = now().pose[slot_of_[place]];
+    for (int i = 0; i < 4; ++i) hash.add(pose.rotation.coeffs()(i));
+    for (int i = 0; i < 3; ++i) hash.add(pose.translation(i));
+  }
+  for (int slot = 0; slot < kLandmarks; ++slot) {
+    if (!landmarks_[slot].used) continue;
+    hash.add(landmarks_[slot].id);
+    hash.add(now().rho[slot]);
+    hash.add(landmarks_[slot].sigma);
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,209 @@
+#pragma once
+
+#include <cstdint>
+
+#include "cairn/base/fixed_vector.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/base/status.hpp"
+#include "cairn/estimation/observation.hpp"
+#include "cairn/numeric/math.hpp"
+#include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/window/inverse_depth_view.hpp"
+#include "cairn/window/schur_solve.hpp"
+#include "cairn/window/window_bounds.hpp"
+#include "cairn/window/window_pose.hpp"
+
+namespace cairn {
+
+template <class T>
+struct WindowParameters {
+  T sigma = T(0.0015);  ///< of a measured direction, each axis: pixels / focal length
+  T huber_sigma = T(1.5);
+  T outlier_sigma = T(4);        ///< observations farther off are forgotten
+  T first_inverse_depth = T(1);  ///< of landmarks while no depth is known
+  T depth_prior_sigma = T(0.5);  ///< of a new landmark, relative to its inverse depth
+  T sigma_factor = T(1.5);       ///< of an inverse depth, over what its own observations give
+  int iterations = 6;            ///< after a keyframe
+  int mirrored_keyframes = 6;    ///< after which the mirrored relief is tried,
+  int mirrored_iterations = 10;  ///< by so many iterations,
+  T mirrored_gain = T(0.9);      ///< and taken where its cost is below this share of the other's
+
+  /// kBadConfig unless every value is finite and in its domain.
+  Status validate() const {
+    const bool good = is_positive(sigma) && is_positive(huber_sigma) &&
+                      is_positive(outlier_sigma) && is_positive(first_inverse_depth) &&
+                      is_positive(depth_prior_sigma) && is_positive(sigma_factor) &&
+                      iterations >= 1 && iterations <= 100 && mirrored_keyframes >= 0 &&
+                      mirrored_iterations >= 1 && mirrored_iterations <= 100 &&
+                      mirrored_gain >= T(0) && mirrored_gain <= T(1);
+    return good ? Status::kOk : Status::kBadConfig;
+  }
+};
+
+/// Sliding window of keyframes: poses and inverse depths that explain together where landmarks were
+/// seen, by Levenberg-Marquardt with the landmarks eliminated (Schur complement) and Huber's cost.
+/// A landmark lies on the ray of the keyframe that saw it first, its host; its depth begins with a
+/// prior, so that no separate initialisation is needed. The oldest pose is fixed, the oldest two
+/// once the window slides; keyframes leave by the distance score of DSO (Engel, Koltun, Cremers
+/// 2018). The scale is that of the priors.
+///
+/// From few views a relief and its mirror image explain the picture alike. After each of the first
+/// keyframes the mirrored solution is therefore improved too, and kept where it explains more.
+///
+/// Poses are T_camera_world. Directions are (x / z, y / z) without distortion. Work is spread:
+/// step() is one iteration, wanted while working(). Cost of a step: two passes over the
+/// observations in the window (at most kKeyframes * kLandmarks, some 150 and 40 multiply-adds
+/// each), (6 (kKeyframes - 1))^2 / 2 multiply-adds a landmark, one solve.
+template <class T, class Bounds = WindowBounds>
+class KeyframeWindow {
+ public:
+  static constexpr int kKeyframes = Bounds::kKeyframes;
+  static constexpr int kLandmarks = Bounds::kLandmarks;
+  static constexpr int kPoses = Bounds::kPoses;
+  static constexpr int kMaxStates = 6 * (kKeyframes - 1);
+  static_assert(kKeyframes >= 3 && kKeyframes <= 8, "observations are flagged in a byte");
+  static_assert(kPoses > kKeyframes && kPoses <= 127 && kLandmarks <= 1024, "bounds");
+
+  using Parameters = WindowParameters<T>;
+  using System = PackedSymmetric<T, kMaxStates>;
+
+  /// Starts anew, empty. kBadConfig, nothing changed.
+  Status initialise(const Parameters& parameters);
+  /// Forgets keyframes and landmarks.
+  void clear();
+  /// The same; where nothing is known, new landmarks are expected at this inverse depth.
+  void clear(T first_inverse_depth) {
+    clear();
+    parameters_.first_inverse_depth = first_inverse_depth;
+  }
+  const Parameters& parameters() const { return parameters_; }
+
+  /// Begins a keyframe at a pose; the window makes room. Its landmarks follow by observe() and
+  /// add_landmark(), then finish_keyframe().
+  void begin_keyframe(const Rigid<T>& T_camera_world);
+  /// The newest keyframe sees a landmark. Domain: a used slot.
+  void observe(int slot, const Vector2<T>& seen);
+  /// A landmark that the newest keyframe sees first, its depth from those that are known (of the
+  /// present view), else from the prior. Its slot, -1 when full.
+  int add_landmark(LandmarkId id, const Vector2<T>& seen);
+  /// Ends a keyframe: forgets landmarks without use, and asks for iterations.
+  void finish_keyframe();
+
+  /// Whether iterations are wanted.
+  bool working() const { return left_ > 0 || mirror_left_ > 0; }
+  /// Units of WorkBudget that step() takes.
+  int step_work() const;
+  /// One iteration. Poses and depths may change, the newest keyframe's pose too.
+  void step();
+
+  /// The landmark is followed no more; it counts while two keyframes saw it.
+  void retire(int slot) { landmarks_[slot].live = false; }
+
+  int keyframes() const { return order_.size(); }
+  /// Keyframes since the start.
+  int started() const { return started_; }
+  /// Since clear(), how often the mirrored solution was taken.
+  int mirrored() const { return mirrored_; }
+  /// The newest keyframe. Domain: there is one.
+  const Rigid<T>& newest_pose() const { return now().pose[slot_of_[order_.back()]]; }
+  bool newest_sees(int slot, Vector2<T>& seen) const;
+
+  bool used(int slot) const { return landmarks_[slot].used; }
+  /// Whether it is still to be followed.
+  bool live(int slot) const { return landmarks_[slot].used && landmarks_[slot].live; }
+  LandmarkId id(int slot) const { return landmarks_[slot].id; }
+  T inverse_depth(int slot) const { return now().rho[slot]; }  ///< in its host
+  T sigma(int slot) const { return landmarks_[slot].sigma; }   ///< of inverse_depth()
+  /// What estimate_window_pose() asks of a landmark, but for where it is seen.
+  WindowSighting<T> sighting(int slot) const;
+  /// Where a camera sees the landmark. False where it is behind it.
+  bool project(int slot, const Rigid<T>& T_camera_world, Vector2<T>& seen) const;
+  Vector3<T> position(int slot) const;  ///< world
+  /// Median inverse depth, in a view, of the landmarks known to a third of their depth; 0 with
+  /// fewer than eight.
+  T typical_inverse_depth(const Rigid<T>& T_camera_world) const;
+  /// Covariance of the newest keyframe's pose, of a perturbation as in perturbed(), relative to the
+  /// fixed keyframes, as if the directions' errors were independent. Zero before the first steps.
+  const Matrix<T, 6, 6>& newest_covariance() const { return newest_covariance_; }
+  /// Of the keyframe that the others' poses are relative to: the newest of those that are fixed.
+  int reference() const {
+    return slot_of_[order_[(order_.size() > fixed() ? fixed() : order_.size()) - 1]];
+  }
+  int newest() const { return slot_of_[order_.back()]; }
+
+  void hash(Hash64& hash) const;
+
+ private:
+  static constexpr T kFirstDamping = T(1e-4);
+  // Units of step_work().
+  static constexpr int kStepBase = 60;
+  static constexpr int kStepLandmark = 3;
+  static constexpr int kStepObservation = 1;
+
+  struct Landmark {
+    LandmarkId id = kNoLandmark;
+    Vector2<T> ray = Vector2<T>::Zero();
+    T prior = T(0);
+    T prior_sigma = T(0);
+    T sigma = T(0);
+    std::int8_t host = -1;  ///< slot of a pose
+    std::uint8_t seen = 0;  ///< a bit per place in the window
+    bool used = false;
+    bool live = false;
+  };
+  /// One solution: all that an iteration changes.
+  struct Solution {
+    Rigid<T> pose[kPoses];
+    T rho[kLandmarks];
+  };
+  using Reduced = LandmarkEquation<T, kMaxStates>;
+
+  const Solution& now() const { return solutions_[present_]; }
+  Solution& now() { return solutions_[present_]; }
+  int place_of(int pose) const;
+  int free_place();
+  int free_pose();
+  void drop(int index);
+  int worst_keyframe(const Rigid<T>& newest) const;
+  int fixed() const { return started_ > kKeyframes ? 2 : 1; }
+  void number_states(int* states) const;
+  int observers(const Landmark& landmark) const;
+  void forget_unused();
+  void begin_mirror();
+  T build(const Solution& solution, const int* states);
+  void add_pair(const Solution& solution, int host, int place, const int* states, T& cost);
+  T cost_of(const Solution& solution) const;
+  bool iterate(Solution& solution, T& damping, T& before, T& cost);
+  void improve();
+  void improve_mirrored();
+  void assess();
+  void forget_outliers();
+  T prior_cost(const Solution& solution, int slot) const;
+
+  Parameters parameters_;
+  Landmark landmarks_[kLandmarks] = {};
+  Vector2<T> observed_[kKeyframes][kLandmarks];
+  FixedVector<std::int8_t, kKeyframes> order_;  ///< places, oldest first
+  std::int8_t slot_of_[kKeyframes] = {};        ///< place to pose
+  bool pose_used_[kPoses] = {};
+  Solution solutions_[2] = {};
+  int present_ = 0;
+  int started_ = 0;
+  int mirrored_ = 0;
+  int left_ = 0;         ///< iterations of the present solution
+  int mirror_left_ = 0;  ///< of the other one
+  T damping_ = kFirstDamping;
+  T mirror_damping_ = kFirstDamping;
+  System system_;
+  T gradient_[kMaxStates] = {};
+  Reduced reduced_[kLandmarks];
+  System reduced_system_;
+  Solution trial_ = {};
+  Matrix<T, 6, 6> newest_covariance_ = Matrix<T, 6, 6>::Zero();
+  bool solved_ = false;  ///< reduced_system_ holds its factors
+};
+
+}  // namespace cairn
+
+#include "cairn/window/detail/keyframe_window_impl.hpp"
+#include "cairn/window/detail/window_equations.hpp"

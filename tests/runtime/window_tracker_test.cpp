@@ -1,0 +1,136 @@
+#include "cairn/runtime/window_tracker.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "two_walls.hpp"
+#include "vga_camera.hpp"
+
+namespace cairn {
+namespace {
+
+using Tracker = WindowTracker<TinyConfig>;
+using Image = std::vector<std::uint8_t>;
+
+constexpr std::int64_t kStepUs = 33333;
+
+/// Every second frame of the walk before two walls.
+Rigid<double> walk_pose(int k) {
+  return test::two_walls_pose(2 * k);
+}
+const Image& walls(int k) {
+  static std::vector<Image> images;
+  while (static_cast<int>(images.size()) <= k) {
+    images.push_back(test::render_two_walls(walk_pose(static_cast<int>(images.size()))));
+  }
+  return images[static_cast<std::size_t>(k)];
+}
+
+struct Walk {
+  std::unique_ptr<Tracker> tracker = std::make_unique<Tracker>();
+  FrameReport report;
+  int frame = 0;
+  int most_work = 0;
+
+  explicit Walk(const Tracker::Parameters& parameters = {}) {
+    EXPECT_TRUE(ok(tracker->initialise(test::to_float(test::small_camera()), parameters)));
+  }
+  void show(const Image& image) {
+    static_cast<void>(tracker->process_frame(test::view(image, test::small_camera()),
+                                             frame * kStepUs, TickSource{}, report));
+    ++frame;
+    most_work = report.work > most_work ? report.work : most_work;
+  }
+  std::uint64_t hash() const {
+    Hash64 hash;
+    tracker->hash(hash);
+    return hash.value();
+  }
+};
+
+/// Angle between a frame's estimated and true attitude, both relative to the first frame, rad.
+float attitude_error(const Walk& run, int k) {
+  const Quaternion<double> truth = walk_pose(0).rotation.conjugate() * walk_pose(k).rotation;
+  const Quaternion<float> off = run.report.T_map_camera.rotation.conjugate() * truth.cast<float>();
+  return sqrt(rotation_log(off).squaredNorm());
+}
+
+TEST(WindowTracker, FollowsTwoWallsAndKnowsTheirDepths) {
+  Walk run;
+  for (int k = 0; k < 30; ++k) {
+    run.show(walls(k));
+    ASSERT_TRUE(k < 2 || run.report.state != TrackingState::kInitialising) << k;
+    ASSERT_NE(run.report.state, TrackingState::kLost) << k;
+  }
+  EXPECT_EQ(run.report.state, TrackingState::kTracking);
+  EXPECT_LT(attitude_error(run, 29), 0.02F);
+  EXPECT_EQ(run.tracker->health().losses, 0U);
+  // The way that the camera went: against its x axis, a quarter as far along y.
+  const Vector3<float> p = run.report.T_map_camera.translation;
+  EXPECT_LT(p.x(), 0.0F);
+  EXPECT_NEAR(p.y() / p.x(), -0.25F, 0.1F);
+  EXPECT_GT(run.tracker->pose_covariance()(5, 5), 0.0F);
+}
+
+TEST(WindowTracker, IsLostInTheDarkAndBeginsAnew) {
+  Walk run;
+  for (int k = 0; k < 14; ++k) run.show(walls(k));
+  const Image black(walls(0).size(), 0);
+  for (int k = 0; k < 10; ++k) {
+    run.show(black);
+    EXPECT_NE(run.report.state, TrackingState::kTracking);
+  }
+  EXPECT_EQ(run.report.state, TrackingState::kLost);
+  EXPECT_EQ(run.report.status, Status::kLowTexture);
+  const float before = run.tracker->pose_covariance()(4, 4);
+  for (int k = 14; k < 30; ++k) run.show(walls(k));
+  EXPECT_EQ(run.report.state, TrackingState::kTracking);
+  EXPECT_EQ(run.tracker->health().losses, 1U);
+  EXPECT_EQ(run.tracker->health().resets, 1U);
+  EXPECT_GT(run.tracker->pose_covariance()(4, 4), before) << "the turn in the dark is not known";
+}
+
+TEST(WindowTracker, RepeatsItselfAndStaysWithinItsWork) {
+  Walk a;
+  Walk b;
+  for (int k = 0; k < 24; ++k) {
+    a.show(walls(k));
+    b.show(walls(k));
+    ASSERT_EQ(a.hash(), b.hash()) << k;
+  }
+  EXPECT_LE(a.most_work, 12000);
+}
+
+TEST(WindowTracker, LittleWorkLeavesThePoseFirst) {
+  Tracker::Parameters parameters;
+  parameters.work_limit = 3500;
+  Walk run(parameters);
+  for (int k = 0; k < 30; ++k) run.show(walls(k));
+  EXPECT_NE(run.report.state, TrackingState::kLost);
+  EXPECT_GT(run.tracker->health().budget_exceeded, 0U);
+  EXPECT_LT(attitude_error(run, 29), 0.05F);
+}
+
+TEST(WindowTracker, RefusesWhatItCannotUse) {
+  Walk run;
+  run.show(walls(0));
+  const std::uint64_t before = run.hash();
+  FrameReport report;
+  EXPECT_EQ(run.tracker->process_frame({}, kStepUs, TickSource{}, report),
+            Status::kInvalidArgument);
+  EXPECT_EQ(run.tracker->process_frame(test::view(walls(1), test::small_camera()), 0, TickSource{},
+                                       report),
+            Status::kDuplicate);
+  EXPECT_EQ(run.hash(), before);
+  Tracker::Parameters parameters;
+  parameters.sigma_px = -1.0F;
+  EXPECT_EQ(run.tracker->initialise(test::to_float(test::small_camera()), parameters),
+            Status::kBadConfig);
+  EXPECT_EQ(run.tracker->set_work_limit(-1), Status::kInvalidArgument);
+}
+
+}  // namespace
+}  // namespace cairn

@@ -1,0 +1,85 @@
+#include "cairn/vision/template_search.hpp"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace cairn {
+namespace {
+
+constexpr int kWidth = 96;
+constexpr int kHeight = 80;
+
+/// A smooth pattern without repetition nearby, moved by (dx, dy); gain and offset of its
+/// brightness.
+std::vector<std::uint8_t> pattern(double dx, double dy, double gain = 1.0, double offset = 0.0) {
+  std::vector<std::uint8_t> pixels;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const double u = x - dx;
+      const double v = y - dy;
+      const double value = 110.0 + 40.0 * std::sin(0.31 * u + 0.0031 * v * v) +
+                           40.0 * std::cos(0.27 * v - 0.0027 * u * u);
+      pixels.push_back(static_cast<std::uint8_t>(std::lround(gain * value + offset)));
+    }
+  }
+  return pixels;
+}
+
+ImageView view(const std::vector<std::uint8_t>& pixels) {
+  return {pixels.data(), kWidth, kHeight, kWidth};
+}
+
+TEST(FindTemplate, FindsAFractionOfAPixelWhateverTheBrightness) {
+  const auto before = pattern(0.0, 0.0);
+  const auto after = pattern(2.4, -1.7, 0.8, 20.0);
+  SmallTemplate reference;
+  ASSERT_TRUE(take_template(view(before), 40, 35, reference));
+  TemplateMatch match;
+  ASSERT_EQ(find_template(view(after), reference, 40, 35, 5, 22938, match), Status::kOk);
+  EXPECT_NEAR(match.x_q8 / 256.0, 42.4, 0.1);
+  EXPECT_NEAR(match.y_q8 / 256.0, 33.3, 0.1);
+  EXPECT_GT(match.correlation, 31000);
+}
+
+TEST(FindTemplate, RefusesTheBorderOfItsWindowAndOtherTexture) {
+  const auto before = pattern(0.0, 0.0);
+  const auto after = pattern(6.0, 0.0);
+  SmallTemplate reference;
+  ASSERT_TRUE(take_template(view(before), 40, 35, reference));
+  TemplateMatch match;
+  EXPECT_EQ(find_template(view(after), reference, 40, 35, 6, 22938, match), Status::kNotFound);
+  EXPECT_EQ(find_template(view(after), reference, 40, 35, 7, 22938, match), Status::kOk);
+  EXPECT_EQ(find_template(view(after), reference, 70, 60, 3, 32000, match), Status::kNotFound);
+  const std::vector<std::uint8_t> flat(kWidth * kHeight, 90);
+  EXPECT_EQ(find_template(view(flat), reference, 40, 35, 7, 0, match), Status::kNotFound);
+}
+
+TEST(FindTemplate, StaysInsideTheImage) {
+  const auto picture = pattern(0.0, 0.0);
+  SmallTemplate reference;
+  EXPECT_FALSE(take_template(view(picture), 4, 40, reference));
+  EXPECT_FALSE(take_template(view(picture), 40, kHeight - 5, reference));
+  ASSERT_TRUE(take_template(view(picture), 6, 6, reference));
+  TemplateMatch match;
+  EXPECT_EQ(find_template(view(picture), reference, 2, 2, 8, 22938, match), Status::kOk);
+  EXPECT_NEAR(match.x_q8, 6 * 256, 40);
+  EXPECT_EQ(find_template(view(picture), reference, -900, 40, 8, 0, match), Status::kNotFound);
+}
+
+TEST(QuarterImage, TakesMeansOfFourByFourPixels) {
+  const auto picture = pattern(0.0, 0.0);
+  static QuarterImage<96, 80> quarter;
+  quarter.take(view(picture));
+  ASSERT_EQ(quarter.view().width, 24);
+  ASSERT_EQ(quarter.view().height, 20);
+  int sum = 0;
+  for (int y = 8; y < 12; ++y) {
+    for (int x = 20; x < 24; ++x) sum += picture[static_cast<std::size_t>(y * kWidth + x)];
+  }
+  EXPECT_EQ(quarter.view().row(2)[5], (sum + 8) / 16);
+}
+
+}  // namespace
+}  // namespace cairn
