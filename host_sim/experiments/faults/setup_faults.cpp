@@ -8,6 +8,7 @@
 #include "host_sim/experiments/faults/fault_scene.hpp"
 #include "host_sim/io/camera_file.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/running/mount_run.hpp"
 
 namespace cairn::host {
 namespace {
@@ -33,6 +34,14 @@ FaultOutcome refused_setup(const FaultScene& scene, FaultComponent component, co
   return judge.expect(message != "accepted", "accepted").outcome();
 }
 
+void say_suspicions(FaultJudge& judge, const std::optional<MountOffset>& offset) {
+  if (!offset.has_value()) return;
+  for (int part = 0; part < MountOffset::kParts; ++part) {
+    if (!offset->suspect[part]) continue;
+    judge.saw("suspect: " + describe(*offset, static_cast<MountOffset::Part>(part)));
+  }
+}
+
 /// One that can be meant and is wrong. Told and not promised: no residual of a single drive tells a
 /// wrong calibration from a bent path.
 FaultOutcome wrong_setup(const FaultScene& scene, FaultComponent component, const char* what,
@@ -52,6 +61,7 @@ FaultOutcome wrong_setup(const FaultScene& scene, FaultComponent component, cons
   }
   judge.saw(fmt::format("{} of {} frames say tracking outside 99.99 %", drive.false_claims,
                         drive.frames));
+  say_suspicions(judge, tracker->mount_offset());
   return judge.reported();
 }
 
