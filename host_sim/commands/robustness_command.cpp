@@ -96,6 +96,9 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--seeds", arguments.settings.seeds, "Seeds 1 to N for every window")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command.add_option("--filter", arguments.settings.filter, "Estimator")
+      ->check(CLI::IsMember({"mono", "window"}))
+      ->capture_default_str();
   command
       .add_option("--playback", arguments.directions,
                   "forward, backward, or both separated by a comma")
@@ -141,7 +144,7 @@ void register_robustness_command(CommandContext& context) {
   command->callback([&context, command, arguments] {
     arguments->run.command_line = context.command_line;
     for (const std::string& option : given_options(*command)) {
-      const bool own = option == "--every" || option == "--playback";
+      const bool own = option == "--every" || option == "--playback" || option == "--filter";
       if (!own) arguments->run.given.push_back(option);
     }
     context.exit_code = run(*arguments);

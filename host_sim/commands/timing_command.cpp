@@ -83,7 +83,7 @@ void register_timing_command(CommandContext& context) {
   command->add_option("--mode", run_options.mode, "How the camera moves")
       ->check(CLI::IsMember({"vehicle", "handheld"}));
   command->add_option("--filter", run_options.filter, "Filter")
-      ->check(CLI::IsMember({"group-iekf", "lifted-iekf", "ekf", "mono"}));
+      ->check(CLI::IsMember({"group-iekf", "lifted-iekf", "ekf", "mono", "window"}));
   command->add_option("--first-frame", run_options.first_frame, "Number of the first frame to use");
   command->add_option("--max-frames", run_options.max_frames, "Stop after this many frames")
       ->check(above_zero());

@@ -53,13 +53,29 @@ std::string filter_of(const RunOptions& options, Mode mode) {
   if (options.filter.empty()) {
     return mode == Mode::kVehicle ? kDefaultVehicleFilter : kDefaultHandheldFilter;
   }
-  if (mode == Mode::kHandheld && options.filter != kDefaultHandheldFilter) {
-    throw UsageError(fmt::format("--filter {}: handheld mode runs with mono", options.filter));
+  const bool handheld = options.filter == kDefaultHandheldFilter || options.filter == kWindowFilter;
+  if (mode == Mode::kHandheld && !handheld) {
+    throw UsageError(
+        fmt::format("--filter {}: handheld mode runs with mono or window", options.filter));
   }
-  if (mode == Mode::kVehicle && options.filter == kDefaultHandheldFilter) {
-    throw UsageError("--filter mono: vehicle mode runs with group-iekf, lifted-iekf or ekf");
+  if (mode == Mode::kVehicle && handheld) {
+    throw UsageError(fmt::format(
+        "--filter {}: vehicle mode runs with group-iekf, lifted-iekf or ekf", options.filter));
   }
   return options.filter;
+}
+
+/// What the window has no use for.
+void check_window_options(const RunOptions& options) {
+  const HandheldOptions& handheld = options.handheld;
+  if (!handheld.measurement.empty() || handheld.corner_score || handheld.estimate_focal_length) {
+    throw UsageError(
+        "--measurement, --corner-score, --estimate-focal-length: only for --filter mono");
+  }
+  if (!options.fading.empty()) throw UsageError("--fading: only for --filter mono");
+  if (!options.record.empty()) {
+    throw UsageError("--record: input logs are not replayed with --filter window");
+  }
 }
 
 /// Vehicle runs start at the first true pose; a variance that is asked for draws the start error.
@@ -108,6 +124,7 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
   tracker.seed = options.seed;
   tracker.handheld = options.handheld;
   tracker.work_limit = options.work_limit;
+  if (tracker.filter == kWindowFilter) check_window_options(options);
   if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
     throw UsageError("--measurement and the options beside it: only for --mode handheld");
   }

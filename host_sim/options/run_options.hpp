@@ -15,6 +15,7 @@ namespace cairn::host {
 
 inline constexpr const char* kDefaultVehicleFilter = "group-iekf";
 inline constexpr const char* kDefaultHandheldFilter = "mono";
+inline constexpr const char* kWindowFilter = "window";
 inline constexpr double kDefaultBudgetMs = kPaperTotalMs;
 /// Of each coordinate of a start that is known, m^2 and rad^2.
 inline constexpr double kKnownStartVariance = 1e-6;
@@ -31,7 +32,7 @@ struct RunOptions {
   std::filesystem::path out;
   std::string command_line;
   std::string mode;    ///< vehicle, handheld; empty: the source's own
-  std::string filter;  ///< group-iekf, lifted-iekf, ekf, mono; empty: the mode's own
+  std::string filter;  ///< group-iekf, lifted-iekf, ekf, mono, window; empty: the mode's own
   std::string fading;  ///< a number >= 1, adaptive; empty: the filter's own
   double budget_ms = kDefaultBudgetMs;
   std::uint64_t seed = 1;

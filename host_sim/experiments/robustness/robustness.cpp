@@ -121,7 +121,7 @@ class Worker {
     const auto source = make_memory_source(info_, play(cut, window.playback));
     TrackerOptions options;
     options.mode = Mode::kHandheld;
-    options.filter = "mono";
+    options.filter = settings_.filter;
     options.seed = window.seed;
     const std::unique_ptr<Tracker> tracker = make_tracker(options, info_);
     RunnerSettings runner;
