@@ -14,8 +14,10 @@ mkdir -p "$out"
 
 desk=../shared/data/phone_desk
 if [ -d "$desk" ]; then
-  source=("video:$desk/escritorio_traslacion.mp4" --camera "$desk/config.yml" --max-frames 240)
+  video=("$desk/escritorio_traslacion.mp4")
+  source=("video:${video[0]}" --camera "$desk/config.yml" --max-frames 240)
 else
+  video=()
   source=(hall --mode handheld --max-frames 240)
 fi
 if [ ! -f "$out/camera.y4m" ]; then
@@ -23,4 +25,4 @@ if [ ! -f "$out/camera.y4m" ]; then
   /usr/bin/python3 tests/web/make_y4m.py "$out/camera.log" "$out/camera.y4m"
   rm "$out/camera.log"
 fi
-NODE_PATH="$PWD/$out/node_modules" node tests/web/browser.js build/web "$out/camera.y4m" "$out"
+NODE_PATH="$PWD/$out/node_modules" node tests/web/browser.js build/web "$out/camera.y4m" "$out" "${video[@]}"

@@ -1,10 +1,11 @@
 "use strict";
 
 // Opens the page in headless Chromium, as a visitor would, at desktop and phone width, light and dark:
-// the drive and its hashes, that nothing can be sent, a video as the camera, a tap, a camera that is refused.
-// Leaves pictures of the page in OUT. Exit status 1 and a line for each check that fails.
+// the drive and its hashes, that nothing can be sent, a recording as the camera, a tap, a camera that is refused, and
+// where VIDEO is given a video file in place of the camera. Leaves pictures of the page in OUT. Exit status 1 and a line
+// for each check that fails.
 //
-// usage: node browser.js PAGE_FOLDER CAMERA.y4m OUT      (playwright-core by NODE_PATH)
+// usage: node browser.js PAGE_FOLDER CAMERA.y4m OUT [VIDEO]      (playwright-core by NODE_PATH)
 
 const fs = require("fs");
 const http = require("http");
@@ -67,7 +68,7 @@ async function drive(page, address, out, name) {
   await page.waitForFunction(() => document.body.dataset.drive, null, { timeout: 120000 });
   const ended = await page.evaluate(() => document.body.dataset.drive);
   check(ended === `ended ${frames} of ${frames}`, `${name}: every frame of the drive has the other targets' hashes: ${ended}`);
-  console.log(`     ${name}: ${await text(page, "time")} ms a frame; ${await text(page, "rate")}`);
+  console.log(`     ${name}: ${await page.evaluate(() => document.body.dataset.driveMs)} ms a frame`);
 }
 
 async function nothingIsSent(page, address, requests) {
@@ -100,6 +101,22 @@ async function camera(page, requests, out, name) {
   check(requests.length === before, `${name}: no request while the camera runs`);
 }
 
+async function videoFile(profile, address, out, video) {
+  const { context, page } = await open(profile, [], DESKTOP);
+  await page.goto(address);
+  await page.waitForSelector("#camera:enabled");
+  await page.setInputFiles("#file", video);
+  await page.waitForSelector("#camera-controls:not([hidden])");
+  await page.waitForFunction(() => document.getElementById("state").textContent === "tracking" &&
+    parseInt(document.getElementById("inliers").textContent, 10) >= 10, null, { timeout: 60000 });
+  check(true, "a video file is followed");
+  await page.screenshot({ path: path.join(out, "video.png"), fullPage: true });
+  await page.setInputFiles("#file", path.join(__dirname, "browser.js"));
+  await page.waitForSelector("#message.bad");
+  check(/cannot play/.test(await text(page, "message")), `a file that is no video: ${await text(page, "message")}`);
+  await context.close();
+}
+
 /** Without a camera, or with one that nobody allows: the page says what it needs, and shows the drive. */
 async function refused(profile, address, out, name, extra, expected) {
   const { context, page } = await open(profile, extra, DESKTOP);
@@ -115,14 +132,15 @@ async function refused(profile, address, out, name, extra, expected) {
 }
 
 async function main() {
-  const [folder, video, out] = process.argv.slice(2).map((name) => path.resolve(name));
+  const [folder, recording, out, video] = process.argv.slice(2).map((name) => path.resolve(name));
   fs.mkdirSync(out, { recursive: true });
   const requests = [];
   const server = await serve(folder, requests);
   const address = `http://localhost:${server.address().port}/`;
-  const profile = path.join(os.tmpdir(), "cairn-chromium-");
+  const profiles = fs.mkdtempSync(path.join(os.tmpdir(), "cairn-chromium-"));
+  const profile = path.join(profiles, "profile-");
   const fake = ["--use-fake-ui-for-media-stream", "--use-fake-device-for-media-stream",
-    `--use-file-for-fake-video-capture=${video}`];
+    `--use-file-for-fake-video-capture=${recording}`];
   for (const [name, options] of [["desktop", DESKTOP], ["phone", PHONE]]) {
     const { context, page } = await open(profile, fake, options);
     await drive(page, address, out, name);
@@ -133,7 +151,9 @@ async function main() {
   await refused(profile, address, out, "no-camera", [], /^No camera was found/);
   await refused(profile, address, out, "camera-not-allowed", ["--use-fake-device-for-media-stream"],
     /^The camera was not allowed/);
+  if (video !== undefined) await videoFile(profile, address, out, video);
   server.close();
+  fs.rmSync(profiles, { recursive: true, force: true, maxRetries: 10, retryDelay: 500 });
   process.exitCode = failures > 0 ? 1 : 0;
 }
 

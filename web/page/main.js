@@ -206,7 +206,8 @@ const handlers = {
     say(texts[status] || `Not placed: ${status}.`, status !== "ok", 2500);
   },
   end() {
-    document.body.dataset.drive = `ended ${equal} of ${compared}`;  // for tests
+    document.body.dataset.driveMs = $("time").textContent;  // for tests, as the next
+    document.body.dataset.drive = `ended ${equal} of ${compared}`;
     if (mode === "drive" && !paused) startDrive();
   },
   probed({ reached }) { document.body.dataset.probe = reached ? "reached" : "blocked"; },
@@ -277,7 +278,11 @@ async function openCamera() {
   try {
     stream = await navigator.mediaDevices.getUserMedia({
       audio: false,
-      video: { facingMode: "environment", width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 30 } },
+      // Not cut to the size by the browser: the field of view is the camera's own.
+      video: {
+        facingMode: "environment", width: { ideal: 640 }, height: { ideal: 480 }, frameRate: { ideal: 30 },
+        resizeMode: { ideal: "none" },
+      },
     });
   } catch (error) {
     const text = REFUSALS[error.name] || `The camera could not be opened: ${error.message || error.name}.`;
