@@ -1,3 +1,4 @@
+#include "host_sim/commands/calibrate_command.hpp"
 #include "host_sim/commands/command.hpp"
 #include "host_sim/commands/consistency_command.hpp"
 #include "host_sim/commands/info_command.hpp"
@@ -17,6 +18,7 @@ namespace cairn::host {
 
 void register_commands(CommandContext& context) {
   register_run_command(context);
+  register_calibrate_command(context);
   register_replay_command(context);
   register_info_command(context);
   register_inject_command(context);
