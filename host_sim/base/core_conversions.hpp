@@ -19,6 +19,10 @@ inline PinholeCamera<float> to_float(const PinholeCamera<double>& camera) {
   c.p1 = static_cast<float>(camera.p1);
   c.p2 = static_cast<float>(camera.p2);
   c.k3 = static_cast<float>(camera.k3);
+  c.k4 = static_cast<float>(camera.k4);
+  c.k5 = static_cast<float>(camera.k5);
+  c.k6 = static_cast<float>(camera.k6);
+  c.lens = camera.lens;
   c.width = camera.width;
   c.height = camera.height;
   return c;

@@ -1,3 +1,4 @@
+#include "host_sim/commands/calibrate_command.hpp"
 #include "host_sim/commands/check_mount_command.hpp"
 #include "host_sim/commands/command.hpp"
 #include "host_sim/commands/consistency_command.hpp"
@@ -18,6 +19,7 @@ namespace cairn::host {
 
 void register_commands(CommandContext& context) {
   register_run_command(context);
+  register_calibrate_command(context);
   register_check_mount_command(context);
   register_replay_command(context);
   register_info_command(context);

@@ -46,20 +46,28 @@ const CameraFormat& format_of(const CameraSection& root) {
   return *found;
 }
 
-std::optional<Rigid<double>> read_mounting(const CameraSection& root) {
-  if (!root.has("T_vehicle_camera")) return std::nullopt;
-  const std::vector<double> m = root.matrix("T_vehicle_camera", 4, 4, "a pose matrix, row by row");
+std::optional<Rigid<double>> read_pose(const CameraSection& section, const std::string& key) {
+  if (!section.has(key)) return std::nullopt;
+  const std::vector<double> m = section.matrix(key, 4, 4, "a pose matrix, row by row");
   Matrix3<double> matrix;
   matrix << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
-  Rigid<double> mounting;
-  if (!to_rotation(matrix, mounting.rotation)) {
-    root.fail("T_vehicle_camera", "expected a rotation in the left 3x3 block");
+  Rigid<double> pose;
+  if (!to_rotation(matrix, pose.rotation)) {
+    section.fail(key, "expected a rotation in the left 3x3 block");
   }
   if (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0) {
-    root.fail("T_vehicle_camera", "expected 0 0 0 1 in the last row");
+    section.fail(key, "expected 0 0 0 1 in the last row");
   }
-  mounting.translation = {m[3], m[7], m[11]};
-  return mounting;
+  pose.translation = {m[3], m[7], m[11]};
+  return pose;
+}
+
+std::optional<Rigid<double>> read_body_mounting(const CameraSection& root) {
+  const CameraSection camera = root.has("cam0") ? root.child("cam0") : root;
+  const std::string key = camera.one_of({"T_BS", "T_cam_imu", "T_imu_cam"});
+  if (key.empty()) return std::nullopt;
+  const std::optional<Rigid<double>> pose = read_pose(camera, key);
+  return key == "T_cam_imu" ? pose->inverse() : *pose;
 }
 
 std::optional<TiltParameters<double>> read_suspension(const CameraSection& root) {
@@ -93,9 +101,39 @@ Vector2<double> first_pixel_without_ray(const PinholeCamera<double>& camera) {
   return nearest;
 }
 
-}  // namespace
+std::string coefficients_of(const PinholeCamera<double>& camera) {
+  if (camera.lens == Lens::kFisheye) {
+    return fmt::format("k1 {} k2 {} k3 {} k4 {}", camera.k1, camera.k2, camera.k3, camera.k4);
+  }
+  const std::string text = fmt::format("k1 {} k2 {} k3 {}", camera.k1, camera.k2, camera.k3);
+  if (!camera.is_rational()) return text;
+  return text + fmt::format(" k4 {} k5 {} k6 {}", camera.k4, camera.k5, camera.k6);
+}
 
-void check_camera(const PinholeCamera<double>& camera, const fs::path& path) {
+/// The largest part of the image around the principal point, of its shape, whose pixels have rays;
+/// empty where it is less than a third. As --crop takes it.
+std::string largest_crop(const PinholeCamera<double>& camera) {
+  constexpr double kLeastShare = 1.0 / 3.0;
+  const Vector2<double> centre(camera.cx, camera.cy);
+  const Vector2<double> last(camera.width - 1, camera.height - 1);
+  for (double share = 0.99; share > kLeastShare; share -= 0.01) {
+    const Vector2<double> low = ((1.0 - share) * centre).array().ceil();
+    const Vector2<double> high = (centre + share * (last - centre)).array().floor();
+    bool good = true;
+    for (const Vector2<double>& corner :
+         std::vector<Vector2<double>>{low, high, {low.x(), high.y()}, {high.x(), low.y()}}) {
+      Vector3<double> ray;
+      good = good && ok(camera.unproject(corner, ray));
+    }
+    if (good) {
+      return fmt::format("{:.0f}x{:.0f}+{:.0f}+{:.0f}", high.x() - low.x() + 1.0,
+                         high.y() - low.y() + 1.0, low.x(), low.y());
+    }
+  }
+  return {};
+}
+
+void check_intrinsics(const PinholeCamera<double>& camera, const fs::path& path) {
   const double side = std::max(camera.width, camera.height);
   for (const double focal : {camera.fx, camera.fy}) {
     if (focal >= kLeastFocal * side && focal <= kLargestFocal * side) continue;
@@ -123,15 +161,30 @@ void check_camera(const PinholeCamera<double>& camera, const fs::path& path) {
                                  "p2 {}: are they of a fisheye model?",
                                  kLargestTangential, camera.p1, camera.p2));
   }
-  if (ok(camera.validate())) return;
-  const Vector2<double> pixel = first_pixel_without_ray(camera);
-  throw InputError(path, fmt::format("expected a distortion that is one to one inside the image, "
-                                     "found one that folds back at pixel ({:.0f}, {:.0f}): k1 {} "
-                                     "k2 {} k3 {}",
-                                     pixel.x(), pixel.y(), camera.k1, camera.k2, camera.k3));
 }
 
-CameraFile read_camera_file(const fs::path& path) {
+}  // namespace
+
+void check_lens(const PinholeCamera<double>& camera, const fs::path& path) {
+  if (ok(camera.validate())) return;
+  const Vector2<double> pixel = first_pixel_without_ray(camera);
+  const std::string crop = largest_crop(camera);
+  const bool fisheye = camera.lens == Lens::kFisheye;
+  throw InputError(
+      path,
+      fmt::format("expected a distortion that is one to one inside the image{}, found one that "
+                  "folds back at pixel ({:.0f}, {:.0f}){}: {}{}",
+                  fisheye ? ", and rays of at most 80 degrees off the axis" : "", pixel.x(),
+                  pixel.y(), fisheye ? " or a wider ray" : "", coefficients_of(camera),
+                  crop.empty() ? "" : fmt::format("; --crop {} uses the part before it", crop)));
+}
+
+void check_camera(const PinholeCamera<double>& camera, const fs::path& path) {
+  check_intrinsics(camera, path);
+  check_lens(camera, path);
+}
+
+CameraFile read_camera_file(const fs::path& path, LensCheck lens) {
   require_file(path, "a camera file");
   CameraFile file;
   const std::string text = read_config_text(path, "a calibration");
@@ -147,10 +200,12 @@ CameraFile read_camera_file(const fs::path& path) {
     const CameraFormat& format = format_of(root);
     file.format = format.name;
     file.camera = format.read(root);
-    file.T_vehicle_camera = read_mounting(root);
+    file.T_vehicle_camera = read_pose(root, "T_vehicle_camera");
+    file.T_body_camera = read_body_mounting(root);
     file.tilt = read_suspension(root);
   }
-  check_camera(file.camera, path);
+  check_intrinsics(file.camera, path);
+  if (lens == LensCheck::kWholePicture) check_lens(file.camera, path);
   return file;
 }
 

@@ -34,7 +34,7 @@ bool ends_in_one_of(const fs::path& path, const std::array<const char*, N>& endi
   return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }
 
-std::vector<PictureName> names_in(const fs::path& folder) {
+std::vector<fs::path> paths_in(const fs::path& folder) {
   std::vector<fs::path> paths;
   std::optional<fs::path> not_read;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -50,7 +50,7 @@ std::vector<PictureName> names_in(const fs::path& folder) {
                      fmt::format("expected images named NUMBER{}", fmt::join(kRead, " or ")));
   }
   std::sort(paths.begin(), paths.end());
-  return {paths.begin(), paths.end()};
+  return paths;
 }
 
 /// Which number of the names is the frame's: the one in which they differ, the last of one name.
@@ -198,9 +198,15 @@ void refuse_dates(const std::vector<PictureName>& names) {
 
 }  // namespace
 
+std::vector<fs::path> list_picture_files(const fs::path& folder) {
+  require_folder(folder, "a folder of images");
+  return paths_in(folder);
+}
+
 PictureFolder list_pictures(const fs::path& folder) {
   require_folder(folder, "a folder of images");
-  const std::vector<PictureName> names = names_in(folder);
+  const std::vector<fs::path> paths = paths_in(folder);
+  const std::vector<PictureName> names(paths.begin(), paths.end());
   std::vector<Entry> entries;
   if (const auto seconds = common_decimal_seconds(names)) {
     for (const PictureName& name : names) {

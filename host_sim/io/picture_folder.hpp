@@ -21,6 +21,10 @@ std::vector<NumberedFile> list_numbered_files(const std::filesystem::path& folde
                                               const std::string& prefix,
                                               const std::vector<std::string>& suffixes);
 
+/// Pictures (.png, .jpg, .jpeg, .pgm, .ppm, .bmp in any case) of a folder by name, whatever the
+/// names are. Throws InputError where there is none, or one of a format that is not read.
+std::vector<std::filesystem::path> list_picture_files(const std::filesystem::path& folder);
+
 /// The pictures of a folder in order.
 struct PictureFolder {
   std::vector<NumberedFile> files;

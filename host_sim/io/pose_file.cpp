@@ -100,6 +100,19 @@ std::vector<Rigid<double>> read_kitti_poses(const std::filesystem::path& path) {
   return poses;
 }
 
+void write_kitti(const std::filesystem::path& path, const std::vector<TimedPose>& poses) {
+  OutputFile file(path);
+  for (const TimedPose& timed : poses) {
+    const Matrix3<double> R = timed.pose.rotation.toRotationMatrix();
+    for (int row = 0; row < 3; ++row) {
+      file.print("{}{:.9g} {:.9g} {:.9g} {:.9g}", row == 0 ? "" : " ", R(row, 0), R(row, 1),
+                 R(row, 2), timed.pose.translation[row]);
+    }
+    file.print("\n");
+  }
+  file.finish();
+}
+
 void write_tum(const std::filesystem::path& path, const std::vector<TimedPose>& poses) {
   OutputFile file(path);
   for (const TimedPose& timed : poses) {

@@ -24,6 +24,9 @@ Rigid<double> read_matrix_pose(const std::filesystem::path& path);
 /// A 3x4 matrix a line (KITTI).
 std::vector<Rigid<double>> read_kitti_poses(const std::filesystem::path& path);
 
+/// Writes the poses as read_kitti_poses() reads them: the upper three rows of each matrix, row by
+/// row, without times.
+void write_kitti(const std::filesystem::path& path, const std::vector<TimedPose>& poses);
 /// Writes `poses` as read_tum() reads them: single spaces, no trailing blank.
 void write_tum(const std::filesystem::path& path, const std::vector<TimedPose>& poses);
 

@@ -16,7 +16,15 @@ class ImageSequence final : public FrameSource {
   ImageSequence(SourceInfo info, std::vector<SequenceFrame> frames)
       : info_(std::move(info)), frames_(std::move(frames)) {
     info_.frame_count = static_cast<int>(frames_.size());
-    for (const SequenceFrame& frame : frames_) info_.inputs.push_back(frame.image);
+    std::vector<std::filesystem::path> images;
+    for (const SequenceFrame& frame : frames_) images.push_back(frame.image);
+    info_.inputs.insert(info_.inputs.end(), images.begin(), images.end());
+    if (!std::filesystem::exists(images.front()) ||
+        read_picture_header_of(images.front()).bits != 16)
+      return;
+    levels_ = find_grey_levels(images);
+    info_.note += fmt::format("{}16-bit pictures: values {} to {} are shown as 0 to 255",
+                              info_.note.empty() ? "" : "; ", levels_->black, levels_->white);
   }
 
   const SourceInfo& info() const override { return info_; }
@@ -27,13 +35,14 @@ class ImageSequence final : public FrameSource {
     cv::Mat storage = frame.grey;
     frame = entry.known;
     frame.grey = storage;
-    read_grey_image(entry.image, {info_.camera.width, info_.camera.height}, frame.grey);
+    read_grey_image(entry.image, {info_.camera.width, info_.camera.height}, frame.grey, levels_);
     return true;
   }
 
  private:
   SourceInfo info_;
   std::vector<SequenceFrame> frames_;
+  std::optional<GreyLevels> levels_;
   std::size_t position_ = 0;
 };
 

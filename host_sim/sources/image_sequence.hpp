@@ -24,7 +24,8 @@ struct SequenceFrame {
 void keep_range(const FrameRange& range, const std::filesystem::path& where,
                 std::vector<SequenceFrame>& frames);
 
-/// Frames from picture files, all of `frames`. `info.frame_count` and `info.inputs` are completed
+/// Frames from picture files, one or more, all of `frames`; pictures of 16 bits are shown by the
+/// levels that they use. `info.frame_count` and `info.inputs` are completed
 /// from `frames`.
 std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info,
                                                  std::vector<SequenceFrame> frames);

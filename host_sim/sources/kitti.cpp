@@ -21,14 +21,29 @@ constexpr double kCameraHeight = 1.65;  // of the recording car
 constexpr double kSpeedSigma = 0.1;
 constexpr double kYawRateSigma = 0.01;
 
-PinholeCamera<double> read_calibration(const fs::path& path, const fs::path& first_image) {
-  LineReader lines(path);
-  TextLine line;
-  if (!lines.next(line)) throw InputError(path, "expected a 3x4 projection matrix a line");
-  const std::size_t colon = line.text.find(':');
-  if (colon != std::string::npos) line.text.erase(0, colon + 1);
-  const std::vector<double> m = parse_numbers(line, 12, path, "a 3x4 projection matrix");
+/// A rectified camera: its projection, and where its frame sits in that of camera 0.
+struct RectifiedCamera {
   PinholeCamera<double> camera;
+  Vector3<double> p_camera0 = Vector3<double>::Zero();
+};
+
+/// The line of matrix P`index`, or the first line where lines have no names.
+TextLine projection_line(const fs::path& path, int index) {
+  LineReader lines(path);
+  const std::string label = fmt::format("P{}:", index);
+  for (TextLine line; lines.next(line);) {
+    if (line.text.rfind(label, 0) != 0 && (index > 0 || line.text.find(':') == 2)) continue;
+    line.text.erase(0, line.text.rfind(label, 0) == 0 ? label.size() : 0);
+    return line;
+  }
+  throw InputError(path, fmt::format("expected a 3x4 projection matrix in a line of {}", label));
+}
+
+RectifiedCamera read_calibration(const fs::path& path, int index, const fs::path& first_image) {
+  const TextLine line = projection_line(path, index);
+  const std::vector<double> m = parse_numbers(line, 12, path, "a 3x4 projection matrix");
+  RectifiedCamera rectified;
+  PinholeCamera<double>& camera = rectified.camera;
   camera.fx = m[0];
   camera.fy = m[5];
   camera.cx = m[2];
@@ -42,7 +57,8 @@ PinholeCamera<double> read_calibration(const fs::path& path, const fs::path& fir
                      "expected a projection matrix fx 0 cx tx, 0 fy cy ty, 0 0 1 tz, row by row");
   }
   check_camera(camera, path);
-  return camera;
+  rectified.p_camera0 = {-(m[3] - m[2] * m[11]) / m[0], -(m[7] - m[6] * m[11]) / m[5], -m[11]};
+  return rectified;
 }
 
 Rigid<double> mounting() {
@@ -54,6 +70,31 @@ Rigid<double> mounting() {
 double heading(const Rigid<double>& T_world_vehicle) {
   const Vector3<double> forward = T_world_vehicle.rotation * Vector3<double>::UnitX();
   return cairn::atan2(forward.y(), forward.x());
+}
+
+/// The folder of pictures and the number of its camera: the left grey one, or the left colour one.
+std::pair<fs::path, int> pictures_of(const fs::path& folder) {
+  for (const auto& [name, index] : {std::pair{"image_0", 0}, {"image_l", 0}, {"image_2", 2}}) {
+    if (fs::is_directory(folder / name)) return {folder / name, index};
+  }
+  return {folder / "image_0", 0};
+}
+
+/// poses.txt, or as downloaded poses/NN.txt beside sequences/; empty: there is none.
+fs::path poses_of(const fs::path& folder) {
+  fs::path sequence = fs::absolute(folder).lexically_normal();
+  if (!sequence.has_filename()) sequence = sequence.parent_path();
+  const fs::path downloaded =
+      sequence.parent_path().parent_path() / "poses" / (sequence.filename().string() + ".txt");
+  for (const fs::path& path : {folder / "poses.txt", downloaded}) {
+    if (fs::exists(path)) return path;
+  }
+  if (sequence.parent_path().filename() == "sequences") return {};
+  throw InputError(
+      folder / "poses.txt",
+      fmt::format("no such file, nor {}; expected the true poses, which odometry is made "
+                  "of",
+                  downloaded.string()));
 }
 
 /// Speed and yaw rate that a planar vehicle needs from `from` to `to`, with noise.
@@ -95,29 +136,40 @@ std::vector<std::int64_t> read_times(const fs::path& path) {
 std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const FrameRange& range,
                                                std::uint64_t seed) {
   require_folder(folder, "a folder with image_l or image_0, calib.txt and poses.txt");
-  const fs::path images =
-      fs::is_directory(folder / "image_0") ? folder / "image_0" : folder / "image_l";
-  const std::vector<NumberedFile> files = list_numbered_files(images, "", {".png"});
+  const auto [images, index] = pictures_of(folder);
+  const std::vector<NumberedFile> files = list_numbered_files(images, "", {".png", ".jpg"});
   SourceInfo info;
   info.name = "kitti";
-  info.camera = read_calibration(folder / "calib.txt", files.front().path);
-  info.T_vehicle_camera = mounting();
+  const RectifiedCamera rectified =
+      read_calibration(folder / "calib.txt", index, files.front().path);
+  info.camera = rectified.camera;
   info.frame_rate_hz = 10.0;
-  info.odometry = OdometryModel{OdometrySample::Kind::kTwist, kSpeedSigma, kYawRateSigma, 0.0, 0.1};
-  info.tilt = TiltParameters<double>::car();
-  info.seed = seed;
-  info.note = fmt::format("odometry from the poses with noise of {} m/s and {} rad/s", kSpeedSigma,
-                          kYawRateSigma);
-  info.inputs = {folder / "calib.txt", folder / "poses.txt"};
-  const std::vector<Rigid<double>> poses = read_kitti_poses(folder / "poses.txt");
+  info.inputs = {folder / "calib.txt"};
+  const fs::path poses_path = poses_of(folder);
+  const bool has_poses = !poses_path.empty();
+  std::vector<Rigid<double>> poses;
+  if (has_poses) {
+    info.T_vehicle_camera = mounting();
+    info.odometry =
+        OdometryModel{OdometrySample::Kind::kTwist, kSpeedSigma, kYawRateSigma, 0.0, 0.1};
+    info.tilt = TiltParameters<double>::car();
+    info.seed = seed;
+    info.note = fmt::format("odometry from the poses with noise of {} m/s and {} rad/s",
+                            kSpeedSigma, kYawRateSigma);
+    info.inputs.push_back(poses_path);
+    poses = read_kitti_poses(poses_path);
+  } else {
+    info.note = "no true poses, so no odometry: hand-held mode";
+  }
   std::vector<std::int64_t> times;
   if (fs::exists(folder / "times.txt")) {
     times = read_times(folder / "times.txt");
     info.inputs.push_back(folder / "times.txt");
   }
   // Rows belong to the images in order, whatever number the first image has.
-  if (poses.size() < files.size() || (!times.empty() && times.size() < files.size())) {
-    throw InputError(folder / (poses.size() < files.size() ? "poses.txt" : "times.txt"),
+  const bool poses_are_short = has_poses && poses.size() < files.size();
+  if (poses_are_short || (!times.empty() && times.size() < files.size())) {
+    throw InputError(poses_are_short ? poses_path : folder / "times.txt",
                      fmt::format("expected a row for each of the {} images", files.size()));
   }
   GaussianRandom random(seed ^ 0x6b177ULL);
@@ -127,10 +179,14 @@ std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const Fra
     frame.image = files[i].path;
     frame.known.number = files[i].number;
     frame.known.t_us = times.empty() ? 100000 * static_cast<std::int64_t>(i) : times[i];
-    frame.known.true_T_world_camera = info.T_vehicle_camera * poses[i];
-    frame.known.true_T_world_vehicle =
-        *frame.known.true_T_world_camera * info.T_vehicle_camera.inverse();
-    if (i > 0) {
+    if (has_poses) {
+      Rigid<double> pose = poses[i];
+      if (!rectified.p_camera0.isZero()) pose.translation = pose * rectified.p_camera0;
+      frame.known.true_T_world_camera = info.T_vehicle_camera * pose;
+      frame.known.true_T_world_vehicle =
+          *frame.known.true_T_world_camera * info.T_vehicle_camera.inverse();
+    }
+    if (has_poses && i > 0) {
       frame.known.odometry.push_back(odometry_between(frames.back().known, frame.known, random));
     }
     frames.push_back(std::move(frame));

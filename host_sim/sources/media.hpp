@@ -16,6 +16,7 @@ namespace cairn::host {
 
 /// What is known of a video or a folder of pictures before its frames are read.
 struct MediaInfo {
+  cv::Size size;                   ///< of its frames, as they are shown
   double rate_hz = 30.0;           ///< mean
   std::optional<int> frame_count;  ///< frames of the range, where known
   /// Of the frames of the range, where known; a video's end by its duration.
@@ -51,15 +52,15 @@ class Media {
 };
 
 /// A folder of pictures that are named as list_pictures() says; times are from the names, else 30
-/// Hz. All pictures must be of `size`, and of as many bits as the first one. Throws InputError
-/// naming the file.
+/// Hz. All pictures must be of `size` (an empty one: of the first one's), and of as many bits as
+/// the first one. Throws InputError naming the file.
 std::unique_ptr<Media> open_pictures(const std::filesystem::path& folder, const cv::Size& size,
                                      const FrameRange& range);
 
-/// A video of frames of `size`. Times are the container's, from 0 on; where it has none, the number
-/// over the rate. Numbers count frames; while the rate is constant they also count frames that
-/// could not be decoded. Throws InputError naming the file where OpenCV cannot decode it, and where
-/// the container's times do not increase.
+/// A video of frames of `size` (an empty one: of any). Times are the container's, from 0 on; where
+/// it has none, the number over the rate. Numbers count frames; while the rate is constant they
+/// also count frames that could not be decoded. Throws InputError naming the file where OpenCV
+/// cannot decode it, and where the container's times do not increase.
 std::unique_ptr<Media> open_video(const std::filesystem::path& file, const cv::Size& size,
                                   const FrameRange& range);
 

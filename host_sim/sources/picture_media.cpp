@@ -24,6 +24,13 @@ std::vector<MediaFrame> frames_of(const PictureFolder& folder) {
   return frames;
 }
 
+/// Of a picture as it is decoded: a JPEG may be turned.
+cv::Size shown_size(const std::filesystem::path& path) {
+  cv::Mat grey;
+  read_grey_image(path, {}, grey, GreyLevels{});
+  return grey.size();
+}
+
 class PictureMedia final : public Media {
  public:
   PictureMedia(const std::filesystem::path& path, const cv::Size& size, const FrameRange& range)
@@ -41,6 +48,8 @@ class PictureMedia final : public Media {
       throw InputError(path, fmt::format("expected frames from number {} on, found none",
                                          range.first.value_or(0)));
     }
+    if (size_.empty()) size_ = shown_size(info_.inputs.front());
+    info_.size = size_;
     info_.frame_count = static_cast<int>(frames_.size());
     info_.span = TimeSpan{frames_.front().t_us, frames_.back().t_us};
     info_.note = folder.note;
@@ -78,7 +87,7 @@ class PictureMedia final : public Media {
       const cv::Size stored(header.width, header.height);
       // A JPEG may be turned by a quarter when it is decoded.
       if (stored != size_ && stored != cv::Size(size_.height, size_.width)) {
-        throw InputError(path, fmt::format("expected {}x{} pixels as the camera file says, found "
+        throw InputError(path, fmt::format("expected {}x{} pixels as the calibration is of, found "
                                            "{}x{}",
                                            size_.width, size_.height, stored.width, stored.height));
       }

@@ -1,21 +1,15 @@
-#include <algorithm>
-#include <cmath>
-
-#include <fmt/format.h>
-
 #include "host_sim/io/camera_file.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
-#include "host_sim/sources/time_span.hpp"
+#include "host_sim/sources/listed_files.hpp"
+#include "host_sim/sources/true_poses.hpp"
 
 namespace cairn::host {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::int64_t kLargestTimeDifference_us = 20000;
 
 PinholeCamera<double> published_camera(const fs::path& folder) {
   PinholeCamera<double> camera;
@@ -51,54 +45,16 @@ PinholeCamera<double> published_camera(const fs::path& folder) {
   return camera;
 }
 
-/// A list names files of its own folder alone: a path that leads out of it is refused.
-fs::path inside_folder(const fs::path& file, const fs::path& list, int line) {
-  const fs::path plain = file.lexically_normal();
-  if (plain.is_absolute() || plain.empty() || *plain.begin() == "..") {
-    throw InputError(
-        list, line,
-        fmt::format("expected a file inside the list's folder, found '{}'", file.string()));
-  }
-  return plain;
-}
-
-void check_truth(const fs::path& path, const std::vector<TimedPose>& truth, const TimeSpan& frames,
-                 SourceInfo& info) {
-  constexpr std::int64_t kLeastStep_us = 100;
-  constexpr std::int64_t kMostStep_us = 10000000;
-  std::vector<std::int64_t> times;
-  for (const TimedPose& pose : truth) times.push_back(pose.t_us);
-  const auto warning = check_overlap(path, "the truth", times, frames, kLeastStep_us, kMostStep_us);
-  if (warning.has_value()) info.warnings.push_back(*warning);
-}
-
-std::optional<Rigid<double>> pose_at(const std::vector<TimedPose>& poses, std::int64_t t_us) {
-  const auto after =
-      std::lower_bound(poses.begin(), poses.end(), t_us,
-                       [](const TimedPose& p, std::int64_t t) { return p.t_us < t; });
-  std::optional<Rigid<double>> best;
-  std::int64_t best_difference = kLargestTimeDifference_us + 1;
-  for (const auto it : {after, after == poses.begin() ? after : after - 1}) {
-    if (it == poses.end()) continue;
-    const std::int64_t difference = std::abs(it->t_us - t_us);
-    if (difference < best_difference) {
-      best_difference = difference;
-      best = it->pose;
-    }
-  }
-  return best;
-}
-
 }  // namespace
 
 std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
                                                   const fs::path& camera_file,
-                                                  const FrameRange& range) {
+                                                  const FrameRange& range, LensCheck lens) {
   require_folder(folder, "a folder with rgb.txt and groundtruth.txt");
   SourceInfo info;
   info.name = "tum-rgbd";
   info.camera =
-      camera_file.empty() ? published_camera(folder) : read_camera_file(camera_file).camera;
+      camera_file.empty() ? published_camera(folder) : read_camera_file(camera_file, lens).camera;
   if (!camera_file.empty()) info.inputs.push_back(camera_file);
   info.frame_rate_hz = 30.0;
   const fs::path list = folder / "rgb.txt";
@@ -118,7 +74,7 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
       throw InputError(list, line.number, "expected times in increasing order");
     }
     frame.image = folder / inside_folder(std::string(fields[1]), list, line.number);
-    frame.known.true_T_world_camera = pose_at(truth, frame.known.t_us);
+    frame.known.true_T_world_camera = pose_near(truth, frame.known.t_us);
     frames.push_back(std::move(frame));
   }
   if (frames.empty()) throw InputError(list, "expected lines of: time file");

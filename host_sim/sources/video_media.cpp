@@ -130,7 +130,10 @@ class VideoMedia final : public Media {
     if (!opened) throw InputError(path_, "expected a video that OpenCV can decode");
     const cv::Size stated(static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_WIDTH)),
                           static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_HEIGHT)));
+    if (size_.empty() && stated.empty()) throw InputError(path_, "expected a video of known size");
+    if (size_.empty()) size_ = stated;
     if (stated != size_ && !stated.empty()) refuse_size(stated);
+    info_.size = size_;
     const int turn = static_cast<int>(capture_.get(cv::CAP_PROP_ORIENTATION_META));
     turned_wrongly_ = kQuarterTurnsAreReversed && (turn == 90 || turn == 270);
     const double rate = capture_.get(cv::CAP_PROP_FPS);
@@ -175,7 +178,7 @@ class VideoMedia final : public Media {
     const bool turned = found == cv::Size(size_.height, size_.width);
     throw InputError(
         path_,
-        fmt::format("expected {}x{} pixels as the camera file says, found {}x{}{}", size_.width,
+        fmt::format("expected {}x{} pixels as the calibration is of, found {}x{}{}", size_.width,
                     size_.height, found.width, found.height,
                     turned ? ": the calibration is of the picture before it is turned" : ""));
   }

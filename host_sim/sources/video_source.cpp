@@ -48,18 +48,20 @@ std::vector<std::int64_t> times_of(const std::vector<Timed>& entries) {
 
 class VideoSource final : public FrameSource {
  public:
-  explicit VideoSource(const VideoOptions& options)
-      : options_(options), camera_(read_camera_file(options.camera)) {
+  explicit VideoSource(const VideoOptions& options) : options_(options) {
+    if (!options.hfov_deg) camera_ = read_camera_file(options.camera, options.lens);
     media_ = open_media(options, camera_.camera);
+    if (options.hfov_deg) guess_camera(*options.hfov_deg);
     if (!options.times.empty()) times_.emplace(options.times);
     const MediaInfo& media = media_->info();
     info_.name = "video";
     info_.camera = camera_.camera;
     info_.frame_rate_hz = media.rate_hz;
     info_.frame_count = media.frame_count;
-    info_.note = fmt::format("camera file format: {}; {}", camera_.format,
-                             times_.has_value() ? "times from --times" : media.note);
-    info_.inputs = {options.camera};
+    info_.note = fmt::format(
+        "{}; {}", options.hfov_deg ? "no calibration" : "camera file format: " + camera_.format,
+        times_.has_value() ? "times from --times" : media.note);
+    if (!options.hfov_deg) info_.inputs = {options.camera};
     info_.inputs.insert(info_.inputs.end(), media.inputs.begin(), media.inputs.end());
     if (times_.has_value()) info_.inputs.push_back(options.times);
     const std::optional<TimeSpan> span = frames_span();
@@ -82,6 +84,15 @@ class VideoSource final : public FrameSource {
   }
 
  private:
+  void guess_camera(double hfov_deg) {
+    camera_.camera = guessed_camera(media_->info().size, hfov_deg);
+    info_.warnings.push_back(fmt::format(
+        "no calibration: a focal length of {:.0f} px is a guess by --hfov {}, and a lens "
+        "without distortion another; angles and distances are wrong by what the guess "
+        "is. `cairn_sim calibrate` makes a camera file",
+        camera_.camera.fx, hfov_deg));
+  }
+
   /// Of the frames to come; empty where a video with --times says neither.
   std::optional<TimeSpan> frames_span() const {
     if (!times_.has_value()) return media_->info().span;
@@ -195,9 +206,21 @@ class VideoSource final : public FrameSource {
 
 }  // namespace
 
+PinholeCamera<double> guessed_camera(const cv::Size& size, double hfov_deg) {
+  PinholeCamera<double> camera;
+  camera.width = size.width;
+  camera.height = size.height;
+  camera.fx = camera.fy = 0.5 * size.width / std::tan(hfov_deg * CV_PI / 360.0);
+  camera.cx = 0.5 * (size.width - 1);
+  camera.cy = 0.5 * (size.height - 1);
+  return camera;
+}
+
 std::unique_ptr<FrameSource> make_video_source(const VideoOptions& options) {
-  if (options.camera.empty()) {
-    throw UsageError("source video: expected a camera file by --camera");
+  if (options.camera.empty() == !options.hfov_deg.has_value()) {
+    throw UsageError(
+        "source video: expected a camera file by --camera (`cairn_sim calibrate` makes one), or a "
+        "guess by --hfov DEG, the horizontal field of view");
   }
   return std::make_unique<VideoSource>(options);
 }

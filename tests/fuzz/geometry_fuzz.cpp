@@ -30,6 +30,16 @@ PinholeCamera<T> camera(Input& input) {
     c.p1 = static_cast<T>(input.number(-0.02F, 0.02F));
     c.p2 = static_cast<T>(input.number(-0.02F, 0.02F));
     c.k3 = static_cast<T>(input.number(-0.1F, 0.1F));
+    const int lens = input.between(0, 2);
+    if (lens == 1) {
+      c.k4 = static_cast<T>(input.number(-0.4F, 0.4F));
+      c.k5 = static_cast<T>(input.number(-0.2F, 0.2F));
+      c.k6 = static_cast<T>(input.number(-0.1F, 0.1F));
+    } else if (lens == 2) {
+      c.lens = Lens::kFisheye;
+      c.k4 = static_cast<T>(input.number(-0.1F, 0.1F));
+      c.p1 = c.p2 = T(0);
+    }
   }
   c.width = input.flag() ? 320 : static_cast<int>(input.word());
   c.height = input.flag() ? 240 : input.between(-2, 5000);

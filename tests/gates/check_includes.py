@@ -47,6 +47,7 @@ HOST_BELOW = {
     "options": "base sources",
     "trackers": "base options io replay sources",
     "evaluation": "base sources",
+    "calibration": "io sources",
     "running": "base io render sources trackers evaluation",
     "reports": "base io sources trackers evaluation running",
     "timing": "base options io replay sources trackers running reports",
@@ -58,7 +59,7 @@ HOST_BELOW = {
     "experiments/faults": "base io world sources trackers evaluation running reports",
     "experiments/laps": "base io sources trackers",
     "experiments/vision": "io",
-    "commands": "base options io world sources trackers evaluation running reports timing recorded "
+    "commands": "base options io world sources calibration trackers evaluation running reports timing recorded "
                 "experiments/consistency experiments/turntable experiments/relocalisation "
                 "experiments/robustness experiments/faults experiments/laps experiments/vision",
     "main.cpp": "io options commands",

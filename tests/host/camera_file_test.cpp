@@ -208,18 +208,109 @@ TEST(CameraFile, RefusesEveryOtherLensModelByName) {
   const auto problem = [&](const char* text, const std::string& part, const std::string& by) {
     return problem_of(folder, replaced(text, part, by));
   };
-  EXPECT_TRUE(says(problem(kOrbSlam3, "PinHole", "KannalaBrandt8"),
-                   {"'Camera.type'", "KannalaBrandt8", "pinhole"}));
-  EXPECT_TRUE(says(problem(kOpenCv, "fisheye_model: 0", "fisheye_model: 1"), {"'fisheye_model'"}));
-  EXPECT_TRUE(
-      says(problem(kRos, "plumb_bob", "equidistant"), {"'distortion_model'", "equidistant"}));
-  EXPECT_TRUE(
-      says(problem(kKalibr, "radtan", "equidistant"), {"'cam0.distortion_model'", "equidistant"}));
+  EXPECT_TRUE(says(problem(kOrbSlam3, "PinHole", "Rectified stereo"),
+                   {"'Camera.type'", "Rectified stereo", "pinhole"}));
+  EXPECT_TRUE(says(problem(kOpenCv, "fisheye_model: 0", "fisheye_model: 2"), {"'fisheye_model'"}));
   EXPECT_TRUE(says(problem(kKalibr, "pinhole", "ds"), {"'cam0.camera_model'", "'ds'"}));
   EXPECT_TRUE(says(problem(kEuroc, "radial-tangential", "fov"), {"'distortion_model'", "fov"}));
   EXPECT_TRUE(says(problem(kVins, "PINHOLE", "MEI"), {"'model_type'", "MEI"}));
-  EXPECT_TRUE(says(problem(kBasalt, "pinhole-radtan8", "kb4"), {"camera_type'", "kb4"}));
-  EXPECT_TRUE(says(problem(kColmap, "OPENCV", "OPENCV_FISHEYE"), {"cam.yaml:3", "OPENCV_FISHEYE"}));
+  EXPECT_TRUE(says(problem(kBasalt, "pinhole-radtan8", "eucm"), {"camera_type'", "eucm"}));
+  EXPECT_TRUE(
+      says(problem(kColmap, "OPENCV", "THIN_PRISM_FISHEYE"), {"cam.yaml:3", "THIN_PRISM_FISHEYE"}));
+}
+
+TEST(CameraFile, ReadsAFisheyeInEveryFormat) {
+  const TemporaryFolder folder;
+  const std::string list = "[0.1, -0.2, 0.001, -0.002]";
+  const std::string fisheye_list = "[-0.02, 0.01, -0.003, 0.001]";
+  const std::string keys = "k1: 0.1\nCamera.k2: -0.2\nCamera.p1: 0.001\nCamera.p2: -0.002\n";
+  const std::string files[] = {
+      replaced(replaced(kOpenCv, "fisheye_model: 0", "fisheye_model: 1"),
+               "[ 0.1, -0.2, 0.001, -0.002, 0. ]", fisheye_list),
+      replaced(replaced(kRos, "plumb_bob", "equidistant"), "[0.1, -0.2, 0.001, -0.002, 0]",
+               fisheye_list),
+      replaced(replaced(kKalibr, "radtan", "equidistant"), list, fisheye_list),
+      replaced(replaced(kEuroc, "radial-tangential", "equidistant"), list, fisheye_list),
+      replaced(replaced(kOrbSlam2, "Camera.fx", "Camera.type: KannalaBrandt8\nCamera.fx"), keys,
+               "k1: -0.02\nCamera.k2: 0.01\nCamera.k3: -0.003\nCamera.k4: 0.001\n"),
+      "%YAML:1.0\nmodel_type: KANNALA_BRANDT\nimage_width: 640\nimage_height: 480\n"
+      "projection_parameters: {k2: -0.02, k3: 0.01, k4: -0.003, k5: 0.001, mu: 510, mv: 520, "
+      "u0: 320, v0: 240}\n",
+      R"({"value0": {"intrinsics": [{"camera_type": "kb4", "intrinsics": {"fx": 510, "fy": 520,
+      "cx": 320, "cy": 240, "k1": -0.02, "k2": 0.01, "k3": -0.003, "k4": 0.001}}],
+      "resolution": [[640, 480]]}})",
+      "1 OPENCV_FISHEYE 640 480 510 520 320.5 240.5 -0.02 0.01 -0.003 0.001\n",
+      "fx: 510\nfy: 520\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\nlens: fisheye\nk1: -0.02\n"
+      "k2: 0.01\nk3: -0.003\nk4: 0.001\n"};
+  for (const std::string& text : files) {
+    PinholeCamera<double> c;
+    ASSERT_NO_THROW(c = read_camera_file(folder.write("c.yaml", text)).camera) << text;
+    EXPECT_EQ(c.lens, Lens::kFisheye) << text;
+    EXPECT_EQ(c.fx, 510.0) << text;
+    EXPECT_EQ(c.cy, 240.0) << text;
+    EXPECT_EQ(c.k1, -0.02) << text;
+    EXPECT_EQ(c.k2, 0.01) << text;
+    EXPECT_EQ(c.k3, -0.003) << text;
+    EXPECT_EQ(c.k4, 0.001) << text;
+    EXPECT_EQ(c.p1, 0.0) << text;
+  }
+  const std::string five = replaced(kRos, "plumb_bob", "equidistant");
+  EXPECT_TRUE(says(problem_of(folder, five), {"'distortion_coefficients'", "k1 k2 k3 k4"}));
+  EXPECT_TRUE(says(problem_of(folder, files[8] + "p1: 0.01\n"), {"'p1'", "not read"}));
+}
+
+TEST(CameraFile, ReadsEightCoefficients) {
+  const TemporaryFolder folder;
+  const std::string rational = "0.52, -2.69, 0.0006, -0.0002, 1.53, 0.4, -2.51, 1.46";
+  const std::string files[] = {
+      replaced(kOpenCv, "0.1, -0.2, 0.001, -0.002, 0.", rational),
+      replaced(replaced(kRos, "plumb_bob", "rational_polynomial"), "0.1, -0.2, 0.001, -0.002, 0",
+               rational),
+      replaced(kBasalt,
+               "\"k1\": 0.1, \"k2\": -0.2, \"p1\": 0.001, \"p2\": -0.002,\n    \"k3\": 0, "
+               "\"k4\": 0, \"k5\": 0, \"k6\": 0",
+               "\"k1\": 0.52, \"k2\": -2.69, \"p1\": 0.0006, \"p2\": -0.0002,\n    \"k3\": 1.53, "
+               "\"k4\": 0.4, \"k5\": -2.51, \"k6\": 1.46"),
+      "1 FULL_OPENCV 640 480 510 520 320.5 240.5 0.52 -2.69 0.0006 -0.0002 1.53 0.4 -2.51 1.46\n"};
+  for (const std::string& text : files) {
+    PinholeCamera<double> c;
+    ASSERT_NO_THROW(c = read_camera_file(folder.write("c.yaml", text)).camera) << text;
+    EXPECT_TRUE(c.is_rational()) << text;
+    EXPECT_EQ(c.k3, 1.53) << text;
+    EXPECT_EQ(c.k4, 0.4) << text;
+    EXPECT_EQ(c.k5, -2.51) << text;
+    EXPECT_EQ(c.k6, 1.46) << text;
+  }
+  EXPECT_TRUE(says(problem_of(folder, replaced(kRos, "0.1, -0.2, 0.001, -0.002, 0", rational)),
+                   {"'distortion_coefficients'", "as the lens model says"}));
+  EXPECT_TRUE(says(problem_of(folder, replaced(kOpenCv, "0.1, -0.2, 0.001, -0.002, 0.",
+                                               rational + ", 0.1, 0, 0, 0")),
+                   {"'distortion_coefficients'", "thin prism"}));
+}
+
+TEST(CameraFile, AFisheyePictureWithoutRaysNamesTheCrop) {
+  const TemporaryFolder folder;
+  // As in TUM-VI: the corners are 108 degrees off the axis.
+  const std::string text =
+      "fx: 190.98\nfy: 190.97\ncx: 254.93\ncy: 256.90\nwidth: 512\nheight: 512\nlens: fisheye\n"
+      "k1: 0.0034824\nk2: 0.0007150\nk3: -0.0020532\nk4: 0.00020294\n";
+  EXPECT_TRUE(says(problem_of(folder, text), {"80 degrees", "--crop 3"}));
+  EXPECT_NO_THROW(read_camera_file(folder.write("c.yaml", text), LensCheck::kLater));
+}
+
+TEST(CameraFile, ReadsTheCamerasPlaceOnTheBody) {
+  const TemporaryFolder folder;
+  const std::string pose = "[[0,0,1,0.35],[-1,0,0,0],[0,-1,0,1],[0,0,0,1]]";
+  const Vector3<double> ahead(0, 0, 1);
+  const auto place = [&](const std::string& text) {
+    return read_camera_file(folder.write("c.yaml", text)).T_body_camera;
+  };
+  EXPECT_FALSE(place(kRos).has_value());
+  EXPECT_NEAR((*place(kEuroc) * ahead).z(), 1.0, 1e-12);
+  const auto in_imu = place(replaced(kKalibr, "cam0:\n", "cam0:\n  T_imu_cam: " + pose + "\n"));
+  EXPECT_NEAR((*in_imu * ahead).x(), 1.35, 1e-12);
+  const auto of_imu = place(replaced(kKalibr, "cam0:\n", "cam0:\n  T_cam_imu: " + pose + "\n"));
+  EXPECT_NEAR((of_imu->inverse() * ahead).x(), 1.35, 1e-12);
 }
 
 TEST(CameraFile, NoCoefficientIsDropped) {
@@ -240,7 +331,7 @@ TEST(CameraFile, NoCoefficientIsDropped) {
                    {"'roi.x_offset'", "whole picture"}));
   EXPECT_TRUE(says(problem(std::string(kOpenCv) + "D: [0.1, 0, 0, 0]\n"), {"'D'", "both"}));
   EXPECT_TRUE(says(problem(replaced(kPython, "dist_coeff", "distCoeffs1")), {"'distCoeffs1'"}));
-  EXPECT_TRUE(says(problem(replaced(kOpenCv, "-0.002, 0. ]", "-0.002, 0., 0.3, 0., 0. ]")),
+  EXPECT_TRUE(says(problem(replaced(kRos, "-0.002, 0]", "-0.002, 0., 0.3, 0., 0.]")),
                    {"'distortion_coefficients'", "k1 k2 p1 p2 k3 alone"}));
   EXPECT_TRUE(says(problem(replaced(kOpenCv, "0.1, -0.2, 0.001, -0.002, 0. ]", "0.1, -0.2 ]")),
                    {"'distortion_coefficients'", "found 2"}));
@@ -248,7 +339,7 @@ TEST(CameraFile, NoCoefficientIsDropped) {
                    {"'distortion_coefficients'", "missing"}));
   EXPECT_TRUE(says(problem(replaced(kEuroc, "radial-tangential", "none")),
                    {"'distortion_coefficients'", "no coefficients"}));
-  EXPECT_TRUE(says(problem(replaced(kBasalt, "\"k5\": 0", "\"k5\": 0.1")), {"k5"}));
+  EXPECT_TRUE(says(problem(replaced(kBasalt, "\"k6\": 0", "\"k7\": 0.1")), {"k7"}));
   EXPECT_TRUE(says(problem(std::string(kColmap) + "2 PINHOLE 640 480 510 520 320 240\n"),
                    {"cam.yaml:4", "one camera"}));
 }

@@ -67,6 +67,25 @@ std::vector<cv::Mat> noise_frames() {
   return frames;
 }
 
+TEST(VideoSource, AGuessedCameraIsSaidToBeOne) {
+  const TemporaryFolder folder;
+  VideoOptions options = pictures(folder, 3);
+  options.hfov_deg = 60.0;
+  EXPECT_THROW(make_video_source(options), UsageError);  // beside a camera file
+  options.camera.clear();
+  const auto source = make_video_source(options);
+  const PinholeCamera<double>& camera = source->info().camera;
+  EXPECT_NEAR(camera.fx, 277.13, 0.01);  // 160 px at 30 degrees
+  EXPECT_EQ(camera.fy, camera.fx);
+  EXPECT_EQ(camera.cx, 159.5);
+  EXPECT_EQ(camera.height, 240);
+  EXPECT_TRUE(says(source->info().warnings.at(0), {"no calibration", "guess", "--hfov 60", "277"}));
+  EXPECT_TRUE(says(source->info().note, {"no calibration"}));
+  EXPECT_EQ(run(*source).numbers.size(), 3U);
+  options.hfov_deg.reset();
+  EXPECT_THROW(make_video_source(options), UsageError);
+}
+
 TEST(VideoSource, FolderWithTimesOdometryAndTruth) {
   const TemporaryFolder folder;
   const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(50));

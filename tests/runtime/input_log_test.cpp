@@ -179,6 +179,29 @@ TEST(InputLog, RefusesAnImpossibleHeader) {
   EXPECT_TRUE(memory.bytes.empty());
 }
 
+TEST(InputLog, KeepsALensBesideThePlainOne) {
+  const std::size_t plain = make_log().bytes.size();
+  for (const Lens lens : {Lens::kRadialTangential, Lens::kFisheye}) {
+    InputLogHeader header = make_header();
+    PinholeCamera<float>& camera = header.camera;
+    camera.lens = lens;
+    camera.k1 = camera.k2 = camera.k3 = camera.p1 = camera.p2 = 0.0F;
+    camera.k4 = 0.01F;
+    camera.k5 = camera.k6 = lens == Lens::kFisheye ? 0.0F : 0.002F;
+    Memory memory;
+    InputLogWriter<Memory> writer(memory);
+    ASSERT_EQ(writer.begin(header), Status::kOk);
+    ASSERT_EQ(writer.end(), Status::kOk);
+    EXPECT_LT(memory.bytes.size(), plain);
+    const Replay replay = read_log(memory);
+    ASSERT_EQ(replay.status, Status::kOk);
+    EXPECT_EQ(replay.header.camera.lens, lens);
+    EXPECT_EQ(replay.header.camera.k4, camera.k4);
+    EXPECT_EQ(replay.header.camera.k5, camera.k5);
+    EXPECT_EQ(replay.header.camera.k6, camera.k6);
+  }
+}
+
 TEST(InputLog, RefusesAnotherVersion) {
   Memory memory = make_log();
   const std::size_t payload = detail::kLogMagicBytes + detail::kLogRecordHeadBytes;

@@ -110,10 +110,19 @@ inline cairn::PinholeCamera<float> exercise_camera() {
 }
 
 inline std::uint64_t Exercise::camera_model() {
-  const cairn::PinholeCamera<float> camera = exercise_camera();
+  cairn::PinholeCamera<float> rational = exercise_camera();
+  rational.k4 = 0.3F;
+  rational.k5 = -0.1F;
+  rational.k6 = 0.02F;
+  cairn::PinholeCamera<float> fisheye{260.0F, 261.0F, 159.5F, 119.5F, -0.02F, 0.01F,
+                                      0.0F,   0.0F,   -4e-3F, 320,    240};
+  fisheye.k4 = 1e-3F;
+  fisheye.lens = cairn::Lens::kFisheye;
+  const cairn::PinholeCamera<float> cameras[] = {exercise_camera(), rational, fisheye};
   cairn::Random random(2);
   cairn::Hash64 hash;
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 6000; ++i) {
+    const cairn::PinholeCamera<float>& camera = cameras[i % 3];
     const cairn::Vector3<float> p{uniform(random, -3.0F, 3.0F), uniform(random, -3.0F, 3.0F),
                                   uniform(random, -1.0F, 8.0F)};
     cairn::Vector2<float> pixel = cairn::Vector2<float>::Zero();

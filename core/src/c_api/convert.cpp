@@ -17,6 +17,7 @@ static_assert(static_cast<int>(TrackingState::kUncertain) == CAIRN_UNCERTAIN, "c
 static_assert(static_cast<int>(TrackingState::kLost) == CAIRN_STATE_LOST, "cairn_state");
 static_assert(static_cast<int>(FrameCut::kNone) == CAIRN_CUT_NONE, "cairn_cut");
 static_assert(static_cast<int>(FrameCut::kPredictionOnly) == CAIRN_CUT_PREDICTION_ONLY, "cut");
+static_assert(static_cast<int>(Lens::kFisheye) == CAIRN_LENS_FISHEYE, "values of cairn_lens");
 static_assert(kStageCount == CAIRN_STAGES, "stages of a frame");
 
 cairn_transform to_c(const Rigid<float>& T_a_b) {
@@ -40,6 +41,11 @@ PinholeCamera<float> from_c(const cairn_camera& camera) {
   out.p1 = camera.p1;
   out.p2 = camera.p2;
   out.k3 = camera.k3;
+  out.k4 = camera.k4;
+  out.k5 = camera.k5;
+  out.k6 = camera.k6;
+  const auto lens = static_cast<unsigned>(camera.lens);
+  out.lens = static_cast<Lens>(lens <= CAIRN_LENS_FISHEYE ? lens : 255U);  // refused by validate()
   out.width = camera.width;
   out.height = camera.height;
   return out;

@@ -2,6 +2,9 @@
 
 #include "cairn/numeric/math.hpp"
 
+#include "fisheye_lens.hpp"
+#include "rational_lens.hpp"
+
 namespace cairn {
 namespace {
 
@@ -76,13 +79,19 @@ class RadialModel {
   T fold_after_r2_ = kNoFold;  ///< the slope is not above zero here
 };
 
-/// Distorts (x, y) at depth 1, with the derivative. Says nothing about folds.
+/// Distorts (x, y) at depth 1 by a radial-tangential lens, with the derivative. Says nothing about
+/// folds.
 template <class T>
 Vector2<T> distort(const PinholeCamera<T>& camera, T x, T y, Matrix2<T>& derivative) {
   const T p1 = camera.p1, p2 = camera.p2;
   const T r2 = x * x + y * y;
-  const T radial = T(1) + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3));
-  const T slope = camera.k1 + r2 * (T(2) * camera.k2 + r2 * T(3) * camera.k3);  // d radial / d r2
+  T radial = T(1) + r2 * (camera.k1 + r2 * (camera.k2 + r2 * camera.k3));
+  T slope = camera.k1 + r2 * (T(2) * camera.k2 + r2 * T(3) * camera.k3);  // d radial / d r2
+  if (camera.is_rational()) {
+    const detail::RationalLens<T> lens(camera);
+    radial = lens.factor(r2);
+    slope = lens.factor_slope(r2);
+  }
   const T cross = T(2) * x * y * slope + T(2) * p1 * x + T(2) * p2 * y;
   derivative(0, 0) = radial + T(2) * x * x * slope + T(2) * p1 * y + T(6) * p2 * x;
   derivative(0, 1) = cross;
@@ -95,6 +104,7 @@ Vector2<T> distort(const PinholeCamera<T>& camera, T x, T y, Matrix2<T>& derivat
 /// Whether (x, y) with x^2 + y^2 = r2 lies inside the lens's fold. Most points do by far.
 template <class T>
 bool is_before_fold(const PinholeCamera<T>& camera, T r2) {
+  if (camera.is_rational()) return detail::RationalLens<T>(camera).is_before_fold(sqrt(r2));
   const T most =
       r2 * (T(3) * abs(camera.k1) + r2 * (T(5) * abs(camera.k2) + r2 * T(7) * abs(camera.k3)));
   return most < T(1) || RadialModel<T>(camera).is_before_fold(r2);
@@ -123,9 +133,13 @@ bool add_tangential(const PinholeCamera<T>& camera, const Vector2<T>& distorted,
 
 template <class T>
 Status PinholeCamera<T>::check_numbers() const {
-  const T values[] = {fx, fy, cx, cy, k1, k2, p1, p2, k3};
+  const T values[] = {fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6};
   for (const T v : values) {
     if (!is_finite(v)) return Status::kBadConfig;
+  }
+  const bool of_fisheye = p1 == T(0) && p2 == T(0) && k5 == T(0) && k6 == T(0);
+  if (lens != Lens::kRadialTangential && !(lens == Lens::kFisheye && of_fisheye)) {
+    return Status::kBadConfig;
   }
   const bool good = fx > T(0) && fy > T(0) && width > 0 && height > 0 && cx >= T(0) && cy >= T(0) &&
                     cx < static_cast<T>(width) && cy < static_cast<T>(height);
@@ -164,7 +178,11 @@ Status PinholeCamera<T>::project(const Vector3<T>& p_camera, Vector2<T>& pixel,
   const T y = p_camera.y() * inverse_z;
   Matrix2<T> distortion = Matrix2<T>::Identity();  // d distorted / d (x, y)
   Vector2<T> distorted(x, y);
-  if (has_distortion()) {
+  if (lens == Lens::kFisheye) {
+    if (!detail::FisheyeLens<T>(*this).distort(x, y, distorted, distortion)) {
+      return Status::kOutOfView;
+    }
+  } else if (has_distortion()) {
     if (!is_before_fold(*this, x * x + y * y)) return Status::kOutOfView;
     distorted = distort(*this, x, y, distortion);
   }
@@ -187,7 +205,14 @@ Status PinholeCamera<T>::unproject(const Vector2<T>& pixel, Vector3<T>& ray) con
   const T radius = sqrt(distorted.squaredNorm());
   if (!has_distortion() || radius == T(0)) return Status::kOk;
   T r = radius;
-  bool found = RadialModel<T>(*this).invert(radius, r);
+  bool found = false;
+  if (lens == Lens::kFisheye) {
+    found = detail::FisheyeLens<T>(*this).undistort(radius, r);
+  } else if (is_rational()) {
+    found = detail::invert(detail::RationalLens<T>(*this), radius, kWidestFisheyeRay, r);
+  } else {
+    found = RadialModel<T>(*this).invert(radius, r);
+  }
   Vector2<T> flat = distorted * (r / radius);
   if (found && (p1 != T(0) || p2 != T(0))) found = add_tangential(*this, distorted, flat);
   ray = {flat.x(), flat.y(), T(1)};

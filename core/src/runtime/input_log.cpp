@@ -147,10 +147,20 @@ std::uint32_t decode_u32(const std::uint8_t (&bytes)[4]) {
   return Unpacker(bytes).u32();
 }
 
+bool has_lens_bytes(const PinholeCamera<float>& camera) {
+  return camera.is_rational() || camera.lens != Lens::kRadialTangential;
+}
+
+void encode_lens(const PinholeCamera<float>& camera, std::uint8_t (&bytes)[kLogLensBytes]) {
+  Packer pack(bytes);
+  for (const float value : {camera.k4, camera.k5, camera.k6}) pack.f32(value);
+  pack.u32(static_cast<std::uint32_t>(camera.lens));
+}
+
 void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]) {
   std::memset(bytes, 0, kLogHeaderBytes);
   Packer pack(bytes);
-  pack.u16(kInputLogVersion);
+  pack.u16(has_lens_bytes(header.camera) ? kInputLogLensVersion : kInputLogVersion);
   pack.u8(static_cast<std::uint8_t>(header.mode));
   pack.u8(static_cast<std::uint8_t>(header.filter));
   pack.u8(static_cast<std::uint8_t>(header.odometry_kind));
@@ -177,9 +187,12 @@ void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeade
   }
 }
 
-Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], InputLogHeader& header) {
+Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::uint8_t* lens,
+                     InputLogHeader& header) {
   Unpacker unpack(bytes);
-  if (unpack.u16() != kInputLogVersion) return Status::kVersionMismatch;
+  if (unpack.u16() != (lens != nullptr ? kInputLogLensVersion : kInputLogVersion)) {
+    return Status::kVersionMismatch;
+  }
   const std::uint8_t mode = unpack.u8();
   const std::uint8_t filter = unpack.u8();
   const std::uint8_t odometry_kind = unpack.u8();
@@ -198,6 +211,13 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], InputLogHeade
   PinholeCamera<float>& c = header.camera;
   for (float* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3}) {
     *value = unpack.f32();
+  }
+  if (lens != nullptr) {
+    Unpacker unpack_lens(lens);
+    for (float* value : {&c.k4, &c.k5, &c.k6}) *value = unpack_lens.f32();
+    const std::uint32_t model = unpack_lens.u32();
+    if (model > 1U) return Status::kBadConfig;
+    c.lens = static_cast<Lens>(model);
   }
   Rigid<float>& T = header.T_vehicle_camera;
   for (float* value : {&T.rotation.w(), &T.rotation.x(), &T.rotation.y(), &T.rotation.z(),

@@ -18,11 +18,6 @@ PinholeCamera<double> read(const CameraSection& root) {
   camera.cx = intrinsics.number("cx", "the principal point, px");
   camera.cy = intrinsics.number("cy", "the principal point, px");
   read_distortion_keys(intrinsics, "", model, camera);
-  for (const char* higher : {"k4", "k5", "k6"}) {
-    if (intrinsics.has(higher) && intrinsics.number(higher, "a coefficient") != 0.0) {
-      intrinsics.fail(higher, "expected k1 k2 p1 p2 k3 alone: coefficients behind them must be 0");
-    }
-  }
   // The radius that basalt uses the model to; the fold of the polynomial is checked anyway.
   if (intrinsics.has("rpmax")) static_cast<void>(intrinsics.number("rpmax", "a radius"));
   refuse_unread_lens_keys(intrinsics);

@@ -19,11 +19,12 @@ namespace fs = std::filesystem;
 using Members = std::vector<double PinholeCamera<double>::*>;
 using Camera = PinholeCamera<double>;
 
-/// Parameters of a model in order; a null member must be 0.
+/// Parameters of a model in order.
 struct Model {
   std::string_view name;
   bool one_focal_length;
   Members parameters;
+  Lens lens = Lens::kRadialTangential;
 };
 
 const std::vector<Model>& models() {
@@ -39,7 +40,12 @@ const std::vector<Model>& models() {
       {"FULL_OPENCV",
        false,
        {&Camera::fx, &Camera::fy, &Camera::cx, &Camera::cy, &Camera::k1, &Camera::k2, &Camera::p1,
-        &Camera::p2, &Camera::k3, nullptr, nullptr, nullptr}}};
+        &Camera::p2, &Camera::k3, &Camera::k4, &Camera::k5, &Camera::k6}},
+      {"OPENCV_FISHEYE",
+       false,
+       {&Camera::fx, &Camera::fy, &Camera::cx, &Camera::cy, &Camera::k1, &Camera::k2, &Camera::k3,
+        &Camera::k4},
+       Lens::kFisheye}};
   return known;
 }
 
@@ -100,15 +106,9 @@ PinholeCamera<double> read_colmap(const fs::path& path) {
                                  model->name, fields.size() - 4));
   }
   for (std::size_t i = 0; i < model->parameters.size(); ++i) {
-    const double value = parse_number(fields[4 + i], path, line.number, "a parameter");
-    if (model->parameters[i] != nullptr) {
-      camera.*(model->parameters[i]) = value;
-    } else if (value != 0.0) {
-      throw InputError(
-          path, line.number,
-          fmt::format("expected k4 k5 k6 of {} to be 0, found {}", model->name, value));
-    }
+    camera.*(model->parameters[i]) = parse_number(fields[4 + i], path, line.number, "a parameter");
   }
+  camera.lens = model->lens;
   if (model->one_focal_length) camera.fy = camera.fx;
   camera.cx -= 0.5;
   camera.cy -= 0.5;

@@ -11,7 +11,9 @@ namespace cairn::host {
 namespace {
 
 constexpr const char* kExpectedModels =
-    "a pinhole camera with radial-tangential distortion (radtan, plumb_bob) or none";
+    "a pinhole camera with radial-tangential distortion (radtan, plumb_bob, rational_polynomial), "
+    "a "
+    "Kannala-Brandt fisheye (equidistant, KannalaBrandt8) or none";
 
 /// Lower case letters and digits alone: radial-tangential, RadialTangential and radial_tangential
 /// are one name.
@@ -74,7 +76,12 @@ LensModel lens_model_named(const CameraSection& section, const std::string& key,
       "radtan5", "pinholeradialtangential"};
   static constexpr std::array<const char*, 5> kRational = {
       "rationalpolynomial", "rational", "radtan8", "pinholeradtan8", "fullopencv"};
+  static constexpr std::array<const char*, 11> kFisheye = {
+      "equidistant",       "equi", "pinholeequi",    "fisheye",        "opencvfisheye",
+      "kannalabrandt",     "kb4",  "kannalabrandt4", "kannalabrandt8", "kb8",
+      "pinholeequidistant"};
   const std::string model = plain(name);
+  if (is_one_of(model, kFisheye)) return LensModel::kFisheye;
   if (is_one_of(model, kPinhole)) return LensModel::kUnstated;
   if (is_one_of(model, kNone)) return LensModel::kNone;
   if (is_one_of(model, kRadialTangential)) return LensModel::kRadialTangential;
@@ -84,6 +91,13 @@ LensModel lens_model_named(const CameraSection& section, const std::string& key,
 
 LensModel read_lens_model(const CameraSection& section) {
   LensModel model = LensModel::kUnstated;
+  // Of OpenCV's program for calibration: 0 or 1.
+  if (section.has("fisheye_model") && !section.is_zero("fisheye_model")) {
+    if (section.number("fisheye_model", "0 or 1") != 1.0) {
+      section.fail("fisheye_model", "expected 0 or 1, found " + section.shown("fisheye_model"));
+    }
+    model = LensModel::kFisheye;
+  }
   for (const std::string& key : section.keys()) {
     const std::string name = plain(key.substr(key.rfind('.') + 1));
     const bool of_camera = key.find('.') == std::string::npos || key.rfind("Camera.", 0) == 0 ||
@@ -103,25 +117,48 @@ LensModel read_lens_model(const CameraSection& section) {
 void set_distortion(const CameraSection& section, const std::string& key, LensModel model,
                     const std::vector<double>& coefficients, PinholeCamera<double>& camera) {
   const std::size_t count = coefficients.size();
+  if (model == LensModel::kFisheye) {
+    if (count != 0 && count != 4) {
+      section.fail(key, fmt::format("expected k1 k2 k3 k4 of a fisheye, found {} numbers", count));
+    }
+    camera.lens = Lens::kFisheye;
+    if (count == 0) return;
+    camera.k1 = coefficients[0];
+    camera.k2 = coefficients[1];
+    camera.k3 = coefficients[2];
+    camera.k4 = coefficients[3];
+    return;
+  }
   static constexpr std::array<std::size_t, 6> kCounts = {0, 4, 5, 8, 12, 14};
   if (std::find(kCounts.begin(), kCounts.end(), count) == kCounts.end()) {
-    section.fail(key, fmt::format("expected k1 k2 p1 p2 [k3], found {} numbers", count));
+    section.fail(key, fmt::format("expected k1 k2 p1 p2 [k3 [k4 k5 k6]], found {} numbers", count));
   }
   const auto is_not_zero = [](double c) { return c != 0.0; };
   if (model == LensModel::kNone &&
       std::any_of(coefficients.begin(), coefficients.end(), is_not_zero)) {
     section.fail(key, "expected no coefficients, as the lens model says; found some");
   }
-  if (count > 5 && std::any_of(coefficients.begin() + 5, coefficients.end(), is_not_zero)) {
-    section.fail(key, "expected k1 k2 p1 p2 k3 alone: coefficients behind them must be 0");
+  if (model == LensModel::kRadialTangential && count > 5 &&
+      std::any_of(coefficients.begin() + 5, coefficients.end(), is_not_zero)) {
+    section.fail(key,
+                 "expected k1 k2 p1 p2 k3 alone, as the lens model says: coefficients behind "
+                 "them must be 0");
+  }
+  if (count > 8 && std::any_of(coefficients.begin() + 8, coefficients.end(), is_not_zero)) {
+    section.fail(key,
+                 "expected k1 k2 p1 p2 k3 k4 k5 k6 alone: coefficients behind them (thin "
+                 "prism, tilt) must be 0");
   }
   std::vector<double> d = coefficients;
-  d.resize(5, 0.0);
+  d.resize(8, 0.0);
   camera.k1 = d[0];
   camera.k2 = d[1];
   camera.p1 = d[2];
   camera.p2 = d[3];
   camera.k3 = d[4];
+  camera.k4 = d[5];
+  camera.k5 = d[6];
+  camera.k6 = d[7];
 }
 
 void read_distortion_list(const CameraSection& section, LensModel model,
@@ -135,17 +172,35 @@ void read_distortion_list(const CameraSection& section, LensModel model,
     found = key;
   }
   if (!found.empty()) {
-    set_distortion(section, found, model, section.numbers(found, "k1 k2 p1 p2 [k3]"), camera);
-  } else if (model == LensModel::kRadialTangential || model == LensModel::kRational) {
-    section.fail("distortion_coefficients",
-                 "missing; expected k1 k2 p1 p2 [k3], as the lens model says");
+    set_distortion(section, found, model, section.numbers(found, "distortion coefficients"),
+                   camera);
+  } else if (model != LensModel::kUnstated && model != LensModel::kNone) {
+    section.fail(
+        "distortion_coefficients",
+        fmt::format("missing; expected {}, as the lens model says",
+                    model == LensModel::kFisheye ? "k1 k2 k3 k4" : "k1 k2 p1 p2 [k3 ...]"));
   }
+}
+
+bool has_distortion_keys(const CameraSection& section, const std::string& prefix) {
+  for (const char* name : {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}) {
+    if (section.has(prefix + name)) return true;
+  }
+  return false;
 }
 
 void read_distortion_keys(const CameraSection& section, const std::string& prefix, LensModel model,
                           PinholeCamera<double>& camera) {
+  std::vector<std::string> names = {"k1", "k2", "p1", "p2", "k3"};
+  const bool has_rational =
+      section.has(prefix + "k4") && section.has(prefix + "k5") && section.has(prefix + "k6");
+  if (model == LensModel::kFisheye) {
+    names = {"k1", "k2", "k3", "k4"};
+  } else if (model == LensModel::kRational || (model == LensModel::kUnstated && has_rational)) {
+    names.insert(names.end(), {"k4", "k5", "k6"});
+  }
   std::vector<double> d;
-  for (const char* name : {"k1", "k2", "p1", "p2", "k3"}) {
+  for (const std::string& name : names) {
     const std::string key = prefix + name;
     d.push_back(section.has(key) ? section.number(key, "a distortion coefficient") : 0.0);
   }
@@ -163,8 +218,8 @@ void refuse_unread_lens_keys(const CameraSection& section, const std::string& pr
       continue;  // of another camera or program
     }
     if (!speaks_of_the_lens(plain(name)) || section.is_zero(key)) continue;
-    section.fail(key, fmt::format("found {}, which is not read; expected {} with k1 k2 p1 p2 k3 "
-                                  "alone",
+    section.fail(key, fmt::format("found {}, which is not read; expected {}, and no coefficient "
+                                  "beside those of the model",
                                   section.shown(key), kExpectedModels));
   }
 }

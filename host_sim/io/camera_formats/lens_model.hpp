@@ -10,27 +10,29 @@
 namespace cairn::host {
 
 // What all formats of camera files share about lenses. A key that speaks of the lens is read or
-// refused: no coefficient is dropped, and no other lens model is taken for a pinhole camera with
-// radial-tangential distortion. Everything here throws InputError naming the key.
+// refused: no coefficient is dropped, and no lens model is taken for another one. Everything here
+// throws InputError naming the key.
 
 /// How far a file says which lens model it means.
 enum class LensModel {
-  kUnstated,          ///< k1 k2 p1 p2 [k3], as in OpenCV
+  kUnstated,          ///< k1 k2 p1 p2 [k3 [k4 k5 k6]], as in OpenCV
   kNone,              ///< no distortion
   kRadialTangential,  ///< k1 k2 p1 p2 [k3]
-  kRational,          ///< k1 k2 p1 p2 k3 k4 k5 k6, of which k4 to k6 must be 0
+  kRational,          ///< k1 k2 p1 p2 k3 k4 k5 k6
+  kFisheye,           ///< Kannala-Brandt (equidistant), k1 k2 k3 k4
 };
 
 /// Reads every key of `section` that names a camera or lens model (`distortion_model`,
 /// `camera_model`, `Camera.type`, `model_type`, `fisheye_model`, ...) and refuses what is neither
-/// pinhole nor one of LensModel.
+/// pinhole nor one of LensModel, and two that contradict one another.
 LensModel read_lens_model(const CameraSection& section);
 
 /// What a single model's name says; `key` is for the message.
 LensModel lens_model_named(const CameraSection& section, const std::string& key,
                            const std::string& name);
 
-/// Sets k1 ... k3 from OpenCV's order of coefficients: none, or 4, 5, 8, 12 or 14.
+/// Sets the lens from OpenCV's order of coefficients: none, or 4, 5, 8, 12 or 14 (those behind k6
+/// 0); of a fisheye none or 4.
 void set_distortion(const CameraSection& section, const std::string& key, LensModel model,
                     const std::vector<double>& coefficients, PinholeCamera<double>& camera);
 
@@ -39,11 +41,15 @@ void set_distortion(const CameraSection& section, const std::string& key, LensMo
 void read_distortion_list(const CameraSection& section, LensModel model,
                           PinholeCamera<double>& camera);
 
-/// Reads `prefix`k1, k2, p1, p2 and k3, where they are.
+/// Whether there is a key of read_distortion_keys().
+bool has_distortion_keys(const CameraSection& section, const std::string& prefix);
+
+/// Reads `prefix`k1, k2, p1, p2 and k3, where they are, and k4 to k6 where the model has them or
+/// all three are there; of a fisheye k1 to k4.
 void read_distortion_keys(const CameraSection& section, const std::string& prefix, LensModel model,
                           PinholeCamera<double>& camera);
 
-/// Refuses unread keys that speak of the lens (k4, xi, dist..., skew, ...) unless their values are
+/// Refuses unread keys that speak of the lens (k7, xi, dist..., skew, ...) unless their values are
 /// all 0. Keys are looked at without `prefix`; those with another prefix belong to another camera.
 void refuse_unread_lens_keys(const CameraSection& section, const std::string& prefix = {});
 

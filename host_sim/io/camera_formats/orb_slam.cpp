@@ -22,7 +22,9 @@ PinholeCamera<double> read_keys(const CameraSection& root, const std::string& pr
   camera.width = root.extent(size_prefix + "width", "the image width, px");
   camera.height = root.extent(size_prefix + "height", "the image height, px");
   read_distortion_keys(root, prefix, model, camera);
-  if (prefix.empty() && !(camera.has_distortion())) read_distortion_list(root, model, camera);
+  if (prefix.empty() && !has_distortion_keys(root, prefix)) {
+    read_distortion_list(root, model, camera);
+  }
   refuse_unread_lens_keys(root, prefix);
   return camera;
 }

@@ -56,12 +56,19 @@ typedef enum cairn_cut {
   CAIRN_CUT_PREDICTION_ONLY
 } cairn_cut;
 
-/** Pinhole camera with OpenCV's radial-tangential distortion; px. Pixel (0, 0) is the centre of the
- * first pixel. */
+/** What the coefficients of a lens mean (cairn/geometry/camera.hpp). */
+typedef enum cairn_lens {
+  CAIRN_LENS_RADIAL_TANGENTIAL = 0, /**< OpenCV's; rational where k4, k5 or k6 is not 0 */
+  CAIRN_LENS_FISHEYE                /**< Kannala-Brandt k1 to k4; the other ones are 0 */
+} cairn_lens;
+
+/** Camera with its lens; px. Pixel (0, 0) is the centre of the first pixel. */
 typedef struct cairn_camera {
   float fx, fy, cx, cy;
   float k1, k2, p1, p2, k3;
   int32_t width, height;
+  float k4, k5, k6;
+  cairn_lens lens;
 } cairn_camera;
 
 /** Rigid transform T_a_b: p_a = R p_b + t. Unit Hamilton quaternion (w, x, y, z); m. */

@@ -1,12 +1,24 @@
 #pragma once
 
+#include <cstdint>
+
 #include "cairn/base/status.hpp"
 #include "cairn/geometry/types.hpp"
 
 namespace cairn {
 
-/// Pinhole camera with radial-tangential distortion (OpenCV's k1, k2, p1, p2, k3). Camera frame: z
-/// forward, x right, y down; pixel (0, 0) is the centre of the first pixel.
+/// What the coefficients of a lens mean.
+enum class Lens : std::uint8_t {
+  /// OpenCV's k1, k2, p1, p2, k3 and, where they are not 0, k4, k5, k6: distance from the axis
+  /// r (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6) and a tangential part.
+  kRadialTangential = 0,
+  /// Kannala and Brandt (2006), OpenCV's fisheye, "equidistant": theta (1 + k1 theta^2 + k2 theta^4
+  /// + k3 theta^6 + k4 theta^8), theta the angle with the axis. p1, p2, k5 and k6 are 0.
+  kFisheye = 1
+};
+
+/// Camera with one centre of projection and a lens. Camera frame: z forward, x right, y down; pixel
+/// (0, 0) is the centre of the first pixel.
 template <class T>
 struct PinholeCamera {
   T fx = T(0);
@@ -20,13 +32,21 @@ struct PinholeCamera {
   T k3 = T(0);
   int width = 0;
   int height = 0;
+  T k4 = T(0);
+  T k5 = T(0);
+  T k6 = T(0);
+  Lens lens = Lens::kRadialTangential;
 
   /// Nearest depth that is projected, m: closer points have no stable pixel.
   static constexpr T kMinDepth = T(0.05);
+  /// Tangent of the widest angle with the axis, 80 degrees, at which a fisheye or a rational lens
+  /// is used: rays are (x, y, 1).
+  static constexpr T kWidestFisheyeRay = T(5.67);
 
   /// kBadConfig unless every value is finite, the focal lengths are positive, the principal point
-  /// is inside the image, and every pixel has one ray: a distortion polynomial that turns back on
-  /// itself inside the image is no description of a lens. Cost: eight undistortions.
+  /// is inside the image, and every pixel has one ray: a distortion that turns back on itself
+  /// inside the image is no description of a lens, and a fisheye picture that reaches beyond
+  /// kWidestFisheyeRay is to be cropped. Cost: eight undistortions.
   Status validate() const;
 
   /// kBadConfig as validate(), of the numbers alone: what code that is called in every frame checks
@@ -40,8 +60,8 @@ struct PinholeCamera {
   }
 
   /// Pixel of `p_camera` (m). kOutOfView, outputs untouched, when z < kMinDepth or the point lies
-  /// at or beyond the radius at which the distortion polynomial turns back on itself. The pixel may
-  /// lie outside the image: see contains().
+  /// at or beyond the radius at which the distortion turns back on itself, or beyond
+  /// kWidestFisheyeRay. The pixel may lie outside the image: see contains().
   Status project(const Vector3<T>& p_camera, Vector2<T>& pixel) const;
 
   /// Same, with the Jacobian d pixel / d p_camera (2x3).
@@ -50,14 +70,19 @@ struct PinholeCamera {
   /// Point at depth 1 (x, y, 1) seen at `pixel`, distortion removed; it projects to `pixel` again
   /// within 0.05 px (double: 1e-3 px where |p1|, |p2| <= 0.02). kOutOfView where no ray has this
   /// pixel; `ray` is then the outermost one in its direction. Inside the image of a camera that
-  /// validate() accepts there always is one. Cost: at most 16 + 4 steps of Newton's method.
+  /// validate() accepts there always is one. Cost: at most 16 + 4 steps of Newton's method, 24 + 4
+  /// of a rational or a fisheye lens.
   Status unproject(const Vector2<T>& pixel, Vector3<T>& ray) const;
 
   /// The same ray without the status.
   Vector3<T> unproject(const Vector2<T>& pixel) const;
 
   bool has_distortion() const {
-    return k1 != T(0) || k2 != T(0) || p1 != T(0) || p2 != T(0) || k3 != T(0);
+    return k1 != T(0) || k2 != T(0) || p1 != T(0) || p2 != T(0) || k3 != T(0) || is_rational() ||
+           lens == Lens::kFisheye;
+  }
+  bool is_rational() const {
+    return lens == Lens::kRadialTangential && (k4 != T(0) || k5 != T(0) || k6 != T(0));
   }
 };
 

@@ -14,8 +14,10 @@ namespace cairn {
 /// Input log: everything that a run's result depends on, in one stream of bytes that replays on any
 /// target. Little endian. "CAIRNLOG", then records of {u8 type, u8[3] zero, u32 payload bytes,
 /// payload, u32 CRC-32 (IEEE 802.3) of all before it in the record}: one header, then odometry and
-/// frames in time order, then one end record with their counts.
+/// frames in time order, then one end record with their counts. A log of a rational or a fisheye
+/// lens has a header with 16 bytes more and version kInputLogLensVersion.
 inline constexpr std::uint16_t kInputLogVersion = 3;
+inline constexpr std::uint16_t kInputLogLensVersion = 4;
 
 enum class LogMode : std::uint8_t { kVehicle = 0, kHandheld = 1 };
 enum class LogFilter : std::uint8_t { kGroupIekf = 0, kLiftedIekf = 1, kEkf = 2, kMono = 3 };
@@ -63,6 +65,7 @@ namespace detail {
 inline constexpr int kLogMagicBytes = 8;
 inline constexpr int kLogRecordHeadBytes = 8;
 inline constexpr int kLogHeaderBytes = 148;
+inline constexpr int kLogLensBytes = 16;  // k4, k5, k6, u32 lens
 inline constexpr int kLogOdometryBytes = 20;
 inline constexpr int kLogFrameHeadBytes = 20;
 inline constexpr int kLogEndBytes = 8;
@@ -81,9 +84,14 @@ Status decode_record_head(const std::uint8_t (&bytes)[kLogRecordHeadBytes], LogR
                           std::uint32_t& payload_bytes);
 void encode_u32(std::uint32_t value, std::uint8_t (&bytes)[4]);
 std::uint32_t decode_u32(const std::uint8_t (&bytes)[4]);
+/// Whether a camera needs the bytes of encode_lens() behind its header.
+bool has_lens_bytes(const PinholeCamera<float>& camera);
 void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]);
-/// kVersionMismatch, or kBadConfig as InputLogHeader::validate().
-Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], InputLogHeader& header);
+void encode_lens(const PinholeCamera<float>& camera, std::uint8_t (&bytes)[kLogLensBytes]);
+/// `lens`: the kLogLensBytes behind the header, or null. kVersionMismatch, or kBadConfig as
+/// InputLogHeader::validate().
+Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::uint8_t* lens,
+                     InputLogHeader& header);
 void encode_odometry(const OdometrySample& sample, std::uint8_t (&bytes)[kLogOdometryBytes]);
 /// kCorrupt for an unknown kind. The numbers are the tracker's to judge.
 Status decode_odometry(const std::uint8_t (&bytes)[kLogOdometryBytes], OdometrySample& sample);
@@ -115,7 +123,13 @@ class InputLogWriter {
     if (!sink_.write(magic, detail::kLogMagicBytes)) return Status::kFull;
     std::uint8_t bytes[detail::kLogHeaderBytes];
     detail::encode_header(header, bytes);
-    return record(detail::LogRecord::kHeader, bytes);
+    if (!detail::has_lens_bytes(header.camera)) return record(detail::LogRecord::kHeader, bytes);
+    std::uint8_t lens[detail::kLogLensBytes];
+    detail::encode_lens(header.camera, lens);
+    open_record(detail::LogRecord::kHeader, detail::kLogHeaderBytes + detail::kLogLensBytes);
+    put(bytes, detail::kLogHeaderBytes);
+    put(lens, detail::kLogLensBytes);
+    return close_record();
   }
 
   Status odometry(const OdometrySample& sample) {
@@ -196,13 +210,15 @@ class InputLogReader {
     detail::LogRecord type{};
     std::uint32_t size = 0;
     std::uint8_t bytes[detail::kLogHeaderBytes];
-    if (!ok(open_record(type, size)) || type != detail::LogRecord::kHeader ||
-        size != detail::kLogHeaderBytes || !get(bytes, detail::kLogHeaderBytes) ||
-        !close_record()) {
+    std::uint8_t lens[detail::kLogLensBytes];
+    if (!ok(open_record(type, size)) || type != detail::LogRecord::kHeader) return Status::kCorrupt;
+    const bool has_lens = size == detail::kLogHeaderBytes + detail::kLogLensBytes;
+    if ((size != detail::kLogHeaderBytes && !has_lens) || !get(bytes, detail::kLogHeaderBytes) ||
+        (has_lens && !get(lens, detail::kLogLensBytes)) || !close_record()) {
       return Status::kCorrupt;
     }
     InputLogHeader decoded;
-    const Status status = detail::decode_header(bytes, decoded);
+    const Status status = detail::decode_header(bytes, has_lens ? lens : nullptr, decoded);
     if (!ok(status)) return status;
     header = decoded;
     width_ = decoded.camera.width;

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "host_sim/calibration/calibration.hpp"
+
+namespace cairn::host {
+
+/// What is wrong with a calibration, a sentence each with what to do about it; empty: it is good.
+/// Asked for: 10 boards, a corner in half of the cells, an rms of 1 px (0.08 % of the longer side
+/// of large pictures), fx known to 0.5 %.
+std::vector<std::string> doubts_about(const Calibration& calibration, const Coverage& coverage);
+
+/// The camera file: a ROS camera_info in YAML, with what is known of its quality as comments. `how`
+/// is a line for the comment.
+std::string camera_file_text(const Calibration& calibration, const Coverage& coverage,
+                             const std::string& how);
+
+/// The picture's cells, a line a row: '#' where a corner was seen, '.' elsewhere.
+std::string drawn(const Coverage& coverage);
+
+}  // namespace cairn::host
