@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -9,6 +10,7 @@
 #include "cairn/version.hpp"
 
 #include "host_sim/commands/command.hpp"
+#include "host_sim/commands/suggestion.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/output_file.hpp"
 
@@ -40,6 +42,9 @@ ExitCode run(int argc, char** argv) {
   cairn::host::CommandContext context{app, join_arguments(argc, argv)};
   cairn::host::register_commands(context);
   try {
+    const std::string unknown =
+        cairn::host::unknown_word(app, std::vector<std::string>(argv + 1, argv + argc));
+    if (!unknown.empty()) throw cairn::host::UsageError(unknown);
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage;

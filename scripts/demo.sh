@@ -6,4 +6,4 @@ cd "$(dirname "$0")/.."
 scripts/setup.sh
 cmake --preset host
 cmake --build --preset host --target cairn_sim
-build/host/bin/cairn_sim run hall --out out/hall "$@"
+build/host/bin/cairn_sim run hall --out out/hall --force "$@"

@@ -1,7 +1,9 @@
 #include "host_sim/commands/calibrate_command.hpp"
 #include "host_sim/commands/check_mount_command.hpp"
 #include "host_sim/commands/command.hpp"
+#include "host_sim/commands/completion_command.hpp"
 #include "host_sim/commands/consistency_command.hpp"
+#include "host_sim/commands/help_command.hpp"
 #include "host_sim/commands/info_command.hpp"
 #include "host_sim/commands/inject_command.hpp"
 #include "host_sim/commands/laps_command.hpp"
@@ -33,6 +35,8 @@ void register_commands(CommandContext& context) {
   register_turntable_command(context);
   register_vision_command(context);
   register_vision_quality_command(context);
+  register_completion_command(context);
+  register_help_command(context);
 }
 
 }  // namespace cairn::host

@@ -9,6 +9,7 @@
 #include "host_sim/commands/run_kinds.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/options/run_options.hpp"
+#include "host_sim/reports/run_folder.hpp"
 
 namespace cairn::host {
 namespace {
@@ -35,6 +36,8 @@ void add_handheld_options(CLI::App& command, HandheldOptions& options) {
 void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("SOURCE", options.source, "Built-in world, data set or video")->required();
   command.add_option("--out", options.out, "Folder for the results")->required();
+  command.add_flag("--force", options.force,
+                   "Use a folder that holds files; an earlier run's are removed");
   command.add_option("--mode", options.mode, "How the camera moves")
       ->check(CLI::IsMember({"vehicle", "handheld"}));
   command.add_option("--filter", options.filter, "Filter")
@@ -105,6 +108,8 @@ void add_options(CLI::App& command, RunOptions& options) {
       .add_option("--scale", options.scale,
                   "Scale pictures and calibration by this factor; by default as far as needed")
       ->check(CLI::Range(0.01, 1.0));
+  command.add_option("--crop", options.crop,
+                     "Use a part of the pictures, WIDTHxHEIGHT[+LEFT+TOP]; by default its middle");
   command
       .add_option_function<std::string>(
           "--playback",
@@ -115,6 +120,11 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   command.add_option("--camera", options.camera, "Camera file of a video source");
+  command
+      .add_option(
+          "--hfov", options.hfov_deg,
+          "Guess in place of a camera file: the picture's horizontal field of view, degrees")
+      ->check(CLI::Range(10.0, 150.0));
   command.add_option("--odometry", options.odometry, "Odometry of a video source (CSV)");
   command.add_option("--times", options.times, "Frame times of a video source (CSV)");
   command.add_option("--truth", options.truth, "True camera poses of a video source (TUM)");
@@ -143,6 +153,7 @@ void register_run_command(CommandContext& context) {
     if (!options->record.empty() && !options->handheld.is_default()) {
       throw UsageError("--record: an input log replays the tracker's own settings");
     }
+    if (!options->force) refuse_full_folder(options->out);
     options->command_line = context.command_line;
     options->given = given_options(*command);
     context.exit_code = dispatch_run(*options);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/commands/suggestion.hpp"
 #include "host_sim/commands/video_run.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/recorded/recorded_kinds.hpp"
@@ -27,6 +28,7 @@ const Names& picture_options() {
                               "--record",
                               "--overlay",
                               "--scale",
+                              "--crop",
                               "--playback",
                               "--every",
                               "--budget-ms",
@@ -63,7 +65,7 @@ const std::vector<RunKind>& run_kinds() {
   static const Names hall = joined(picture_options(), {"--odometry-noise", "--uneven-floor"});
   static const Names stress(picture_options().begin() + 1, picture_options().end());
   static const Names video =
-      joined(picture_options(), {"--camera", "--odometry", "--times", "--truth",
+      joined(picture_options(), {"--camera", "--hfov", "--odometry", "--times", "--truth",
                                  "--odometry-noise-speed", "--odometry-noise-yaw-rate"});
   static const Names landmarks = {"--budget-ms", "--start-heading-variance",
                                   "--start-position-variance"};
@@ -75,6 +77,9 @@ const std::vector<RunKind>& run_kinds() {
       {"tag-board", "DIR", run_tag_board, picture_options()},
       {"kitti", "DIR", run_kitti, picture_options()},
       {"tum-rgbd", "DIR", run_tum_rgbd, joined(picture_options(), {"--camera"})},
+      {"tum", "DIR", run_tum_rgbd, joined(picture_options(), {"--camera"})},
+      {"euroc", "DIR", run_euroc, joined(picture_options(), {"--camera"})},
+      {"tum-vi", "DIR", run_euroc, joined(picture_options(), {"--camera"})},
       {"video", "FILE_OR_FOLDER", run_video, video},
       {"lost-in-the-woods", "DIR", run_lost_in_the_woods, joined(landmarks, {"--profile"}), false},
       {"mrclam", "DIR:ROBOT", run_mrclam, joined(landmarks, {"--profile"}), false},
@@ -104,11 +109,14 @@ ExitCode dispatch_run(const RunOptions& options) {
     return kind.run(options, has_rest ? options.source.substr(name.size() + 1) : std::string());
   }
   std::string known;
+  std::vector<std::string> names;
   for (const RunKind& kind : run_kinds()) {
+    names.push_back(kind.name);
     known += fmt::format("{}{}{}{}", known.empty() ? "" : ", ", kind.name,
                          kind.argument.empty() ? "" : ":", kind.argument);
   }
-  throw UsageError(fmt::format("source '{}': expected one of {}", options.source, known));
+  throw UsageError(fmt::format("source '{}': expected one of {}{}", options.source, known,
+                               did_you_mean(name, names)));
 }
 
 }  // namespace cairn::host

@@ -12,6 +12,7 @@
 #include "cairn/base/config.hpp"
 
 #include "host_sim/base/names.hpp"
+#include "host_sim/io/camera_file.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/interruption.hpp"
 #include "host_sim/io/suspension.hpp"
@@ -20,6 +21,7 @@
 #include "host_sim/reports/run_outputs.hpp"
 #include "host_sim/running/mount_run.hpp"
 #include "host_sim/running/runner.hpp"
+#include "host_sim/sources/cropped_source.hpp"
 #include "host_sim/sources/data_sets.hpp"
 #include "host_sim/sources/hall_source.hpp"
 #include "host_sim/sources/playback_source.hpp"
@@ -38,6 +40,11 @@ constexpr int kRecordedAnchorFrames = 10;
 
 FrameRange range_of(const RunOptions& options) {
   return {options.first_frame, options.max_frames};
+}
+
+/// A lens need be good in the part of the picture alone that is used.
+LensCheck lens_check(const RunOptions& options) {
+  return options.crop.empty() ? LensCheck::kWholePicture : LensCheck::kLater;
 }
 
 Mode mode_of(const RunOptions& options, const SourceInfo& source) {
@@ -215,11 +222,20 @@ void print_summary(const nlohmann::json& summary) {
                figure(registration["p95"], "px"), figure(registration["max"], "px"));
   }
   fmt::print("log hash {}\n", summary["log_hash"].get<std::string>());
+  fmt::print("\n{}\n", summary["verdict"]["headline"].get<std::string>());
+  for (const nlohmann::json& point : summary["verdict"]["points"]) {
+    if (point["grade"] != "good") fmt::print("- {}\n", point["text"].get<std::string>());
+  }
 }
 
-/// The source with pictures of the size asked for, and of one that the tracker holds.
+/// The source with pictures of the part and size asked for, and of one that the tracker holds.
 std::unique_ptr<FrameSource> fit_source(std::unique_ptr<FrameSource> source,
                                         const RunOptions& options) {
+  if (!options.crop.empty()) {
+    source = crop_source(std::move(source), parse_crop(options.crop));
+    check_lens(source->info().camera,
+               options.camera.empty() ? std::filesystem::path(options.source) : options.camera);
+  }
   const PinholeCamera<double> full = source->info().camera;
   const double fitting =
       fitting_factor(full, LargeConfig::kMaxImageWidth, LargeConfig::kMaxImageHeight);
@@ -297,13 +313,8 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
       evaluate_registration(record.registration_input, source.info().camera,
                             registration_settings(source.info(), tracker_settings.mode));
   const RunTrajectory trajectory = evaluate_run(record, tracker_settings.mode);
-  nlohmann::json summary = summarise(record, trajectory, registration, options.budget_ms);
-  const std::optional<int> expected = source.info().frame_count;
-  summary["input"] = {{"frames_expected", expected ? nlohmann::json(*expected) : nullptr},
-                      {"warnings", source.info().warnings},
-                      {"damaged", source.info().damaged}};
-  summary["interrupted_by"] =
-      record.interrupted_by == 0 ? nlohmann::json(nullptr) : nlohmann::json(record.interrupted_by);
+  const nlohmann::json summary =
+      summarise(record, trajectory, registration, options.budget_ms, source.info());
 
   write_manifest(options.out, {options.command_line, tracker_settings, options.source},
                  source.info(), record);
@@ -365,11 +376,21 @@ ExitCode run_tag_board(const RunOptions& options, const std::string& folder) {
 }
 
 ExitCode run_kitti(const RunOptions& options, const std::string& folder) {
+  if (is_kitti_raw(folder)) {
+    return run_source(make_kitti_raw_source(folder, range_of(options)), options);
+  }
   return run_source(make_kitti_source(folder, range_of(options), options.seed), options);
 }
 
 ExitCode run_tum_rgbd(const RunOptions& options, const std::string& folder) {
-  return run_source(make_tum_rgbd_source(folder, options.camera, range_of(options)), options);
+  return run_source(
+      make_tum_rgbd_source(folder, options.camera, range_of(options), lens_check(options)),
+      options);
+}
+
+ExitCode run_euroc(const RunOptions& options, const std::string& folder) {
+  return run_source(
+      make_euroc_source(folder, options.camera, range_of(options), lens_check(options)), options);
 }
 
 ExitCode run_video(const RunOptions& options, const std::string& media) {
@@ -378,7 +399,8 @@ ExitCode run_video(const RunOptions& options, const std::string& media) {
   }
   return run_source(
       make_video_source({media, options.camera, options.odometry, options.times, options.truth,
-                         range_of(options), options.speed_sigma_mps, options.yaw_rate_sigma_radps}),
+                         range_of(options), options.speed_sigma_mps, options.yaw_rate_sigma_radps,
+                         options.hfov_deg, lens_check(options)}),
       options);
 }
 

@@ -18,6 +18,7 @@ ExitCode run_seven_scenes(const RunOptions& options, const std::string& folder);
 ExitCode run_tag_board(const RunOptions& options, const std::string& folder);
 ExitCode run_kitti(const RunOptions& options, const std::string& folder);
 ExitCode run_tum_rgbd(const RunOptions& options, const std::string& folder);
+ExitCode run_euroc(const RunOptions& options, const std::string& folder);
 ExitCode run_video(const RunOptions& options, const std::string& media);
 
 }  // namespace cairn::host

@@ -35,7 +35,7 @@ def run(args, name, seed):
     out = args.out / name / str(seed)
     if not (out / "summary.json").exists():
         subprocess.run([args.program, "run", "hall", "--max-frames", str(args.frames), "--filter", name,
-                        "--seed", str(seed), "--no-video", "--out", out], check=True, stdout=subprocess.DEVNULL)
+                        "--seed", str(seed), "--no-video", "--force", "--out", out], check=True, stdout=subprocess.DEVNULL)
     frames = read_csv(out / "frames.csv")
     mu = [float(row["registration_px"]) if row["registration_px"] else None for row in frames]
     settled = [px for px in mu[SETTLING_FRAMES:] if px is not None]

@@ -57,7 +57,10 @@ struct RunOptions {
   std::filesystem::path odometry;
   std::filesystem::path times;
   std::filesystem::path truth;
-  std::optional<double> scale;  ///< of the pictures; empty: as far as the tracker needs
+  std::optional<double> scale;     ///< of the pictures; empty: as far as the tracker needs
+  std::string crop;                ///< WIDTHxHEIGHT[+LEFT+TOP] of the pictures; empty: all
+  std::optional<double> hfov_deg;  ///< guess in place of a camera file
+  bool force = false;              ///< write into a folder that is not empty
   Playback playback;
   std::vector<std::string> given;       ///< names of the options on the command line
   std::optional<TimingOptions> timing;  ///< time the frames instead of evaluating the run

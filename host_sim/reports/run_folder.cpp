@@ -20,12 +20,22 @@ void make_folder(const std::filesystem::path& folder) {
   if (error) throw OutputError(folder, "cannot be created: " + error.message());
 }
 
+void refuse_full_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) return;
+  if (std::filesystem::is_empty(folder, error)) return;
+  throw UsageError(
+      fmt::format("--out {}: holds files already; --force removes those of an earlier "
+                  "run and leaves all others, or choose another folder",
+                  folder.string()));
+}
+
 void remove_earlier_run(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> old;
-  for (const char* name :
-       {"report.html", "overlay.mp4", "overlay.avi", "overlay.part.mp4", "overlay.part.avi",
-        "summary.json", "frames.csv", "tracking.csv", "trajectory.tum", "truth.tum", "samples.csv",
-        "landmarks.csv", "manifest.json"}) {
+  for (const char* name : {"report.html", "overlay.mp4", "overlay.avi", "overlay.part.mp4",
+                           "overlay.part.avi", "summary.json", "frames.csv", "tracking.csv",
+                           "trajectory.tum", "truth.tum", "trajectory_kitti.txt", "truth_kitti.txt",
+                           "samples.csv", "landmarks.csv", "manifest.json"}) {
     old.push_back(folder / name);
     old.push_back(part_of(folder / name));
   }

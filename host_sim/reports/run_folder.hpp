@@ -18,6 +18,9 @@ namespace cairn::host {
 /// Creates `folder` and those above it.
 void make_folder(const std::filesystem::path& folder);
 
+/// Throws UsageError where `folder` holds any file: results go into a folder of their own.
+void refuse_full_folder(const std::filesystem::path& folder);
+
 /// Removes what an earlier run left in `folder`: the files that a run writes (docs/reference/
 /// outputs.md) and their parts, so that none of them stands beside this run's. Others are left
 /// alone.

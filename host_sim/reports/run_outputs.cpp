@@ -13,6 +13,7 @@
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/reports/latency.hpp"
 #include "host_sim/reports/run_folder.hpp"
+#include "host_sim/reports/verdict.hpp"
 
 namespace cairn::host {
 namespace {
@@ -163,6 +164,10 @@ void write_manifest(const std::filesystem::path& folder, const RunIdentity& iden
                        {"p1", c.p1},
                        {"p2", c.p2},
                        {"k3", c.k3},
+                       {"k4", c.k4},
+                       {"k5", c.k5},
+                       {"k6", c.k6},
+                       {"lens", c.lens == Lens::kFisheye ? "fisheye" : "radial-tangential"},
                        {"width", c.width},
                        {"height", c.height}}}};
   manifest.inputs = hashes_of(source.inputs);
@@ -196,14 +201,23 @@ void write_frames(const std::filesystem::path& folder, const RunRecord& record,
 }
 
 void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, Mode mode) {
-  std::vector<TimedPose> estimate, truth;
+  std::vector<TimedPose> estimate, truth, estimate_of_both, truth_of_both;
   for (const FrameRecord& frame : record.frames) {
     const std::int64_t t_us = frame.report.t_us;
-    if (const auto pose = estimated_pose(frame, mode)) estimate.push_back({t_us, *pose});
-    if (const auto& pose = true_pose(frame, mode)) truth.push_back({t_us, *pose});
+    const auto pose = estimated_pose(frame, mode);
+    const auto& real = true_pose(frame, mode);
+    if (pose) estimate.push_back({t_us, *pose});
+    if (real) truth.push_back({t_us, *real});
+    if (!pose || !real) continue;
+    estimate_of_both.push_back({t_us, *pose});
+    truth_of_both.push_back({t_us, *real});
   }
   write_tum(folder / "trajectory.tum", estimate);
-  if (!truth.empty()) write_tum(folder / "truth.tum", truth);
+  // Rows of this format have no time: they are compared one by one.
+  write_kitti(folder / "trajectory_kitti.txt", truth.empty() ? estimate : estimate_of_both);
+  if (truth.empty()) return;
+  write_tum(folder / "truth.tum", truth);
+  write_kitti(folder / "truth_kitti.txt", truth_of_both);
 }
 
 void write_landmarks(const std::filesystem::path& folder, const RunRecord& record) {
@@ -276,7 +290,7 @@ json mount_json(const RunRecord& record) {
 }
 
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
-               const RegistrationResult& registration, double budget_ms) {
+               const RegistrationResult& registration, double budget_ms, const SourceInfo& source) {
   int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
   std::vector<double> totals;
   std::vector<double> stages[kStageCount];
@@ -296,29 +310,40 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
     stage["budget"] = kStageRows[i].paper_iekf_ms;
     latency["stages"][kStageRows[i].key] = stage;
   }
+  json pictures = json::array();
+  for (const auto& picture : record.pictures) pictures.push_back(picture.filename().string());
   const std::size_t active =
       static_cast<std::size_t>(record.frames.empty() ? 0 : record.frames.back().report.landmarks);
-  return {{"frames", record.frames.size()},
-          {"tracked", tracked},
-          {"not_tracked", not_tracked_json(record)},
-          {"lost", lost},
-          {"relocalised", relocalised},
-          {"latency_ms", latency},
-          {"trajectory", to_json(trajectory.evaluation, trajectory.planar)},
-          {"nees", nees_json(record)},
-          {"nis", nis_json(record)},
-          {"registration_px", registration_json(registration)},
-          {"map",
-           {{"landmarks", active},
-            {"added", added},
-            {"removed", removed},
-            {"capacity", record.landmark_capacity},
-            {"library", record.library_size < 0 ? json(nullptr) : json(record.library_size)},
-            {"reused", reuse_json(record)}}},
-          {"health", to_json(record.health)},
-          {"mount", mount_json(record)},
-          {"monitor", monitor_json(record)},
-          {"log_hash", fmt::format("{:016x}", record.log_hash)}};
+  json summary = {
+      {"frames", record.frames.size()},
+      {"tracked", tracked},
+      {"not_tracked", not_tracked_json(record)},
+      {"lost", lost},
+      {"relocalised", relocalised},
+      {"latency_ms", latency},
+      {"trajectory", to_json(trajectory.evaluation, trajectory.planar)},
+      {"nees", nees_json(record)},
+      {"nis", nis_json(record)},
+      {"registration_px", registration_json(registration)},
+      {"map",
+       {{"landmarks", active},
+        {"added", added},
+        {"removed", removed},
+        {"capacity", record.landmark_capacity},
+        {"library", record.library_size < 0 ? json(nullptr) : json(record.library_size)},
+        {"reused", reuse_json(record)}}},
+      {"health", to_json(record.health)},
+      {"mount", mount_json(record)},
+      {"monitor", monitor_json(record)},
+      {"pictures", pictures},
+      {"log_hash", fmt::format("{:016x}", record.log_hash)},
+      {"input",
+       {{"frames_expected", source.frame_count ? json(*source.frame_count) : json(nullptr)},
+        {"warnings", source.warnings},
+        {"damaged", source.damaged}}},
+      {"interrupted_by", record.interrupted_by == 0 ? json(nullptr) : json(record.interrupted_by)}};
+  summary["verdict"] = to_json(judge(summary, source.camera.width));
+  return summary;
 }
 
 json to_json(const Health& h) {

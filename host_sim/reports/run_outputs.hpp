@@ -37,7 +37,8 @@ void write_frames(const std::filesystem::path& folder, const RunRecord& record,
 void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, Mode mode);
 void write_landmarks(const std::filesystem::path& folder, const RunRecord& record);
 nlohmann::json summarise(const RunRecord& record, const RunTrajectory& trajectory,
-                         const RegistrationResult& registration, double budget_ms);
+                         const RegistrationResult& registration, double budget_ms,
+                         const SourceInfo& source);
 
 /// Every counter by its name.
 nlohmann::json to_json(const Health& health);

@@ -69,7 +69,9 @@ check "no video without room" [ -z "$(find "$work/video" -name 'overlay.*')" ]
 # an earlier run's files go, a user's own stay
 expect 0 "log hash" run hall-small --max-frames 12 --out again
 touch "$work/again/overlay-999999.jpg" "$work/again/overlay-mine.jpg" "$work/again/notes.txt" "$work/again/frames.csv.part"
-expect 0 "log hash" run hall-small --max-frames 12 --no-video --out again
+expect 2 "--out again|holds files already|--force" run hall-small --max-frames 12 --no-video --out again
+check "a refused run removes nothing" [ -s "$work/again/summary.json" ]
+expect 0 "log hash" run hall-small --max-frames 12 --no-video --force --out again
 check "an earlier picture is gone" [ ! -e "$work/again/overlay-999999.jpg" ]
 check "an earlier part is gone" [ ! -e "$work/again/frames.csv.part" ]
 check "an earlier video is gone" [ ! -e "$work/again/overlay.mp4" ]

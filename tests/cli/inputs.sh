@@ -20,8 +20,8 @@ for size in "1920 1080 1280x720" "1080 1920 540x960"; do
   for n in 0 1; do picture "$work/large/$n.pgm" "$1" "$2"; done
   camera "$work/large.yaml" "$1" "$2"
   expect 0 "pictures scaled from $1x$2 to $3|1280x960" \
-    run video:large --camera large.yaml --no-video --out large-out
-  has large-out/manifest.json "scaled from $1x$2 to $3"
+    run video:large --camera large.yaml --no-video --out "large-out-$1"
+  has "large-out-$1/manifest.json" "scaled from $1x$2 to $3"
 done
 expect 0 "frames 2" run video:large --camera large.yaml --scale 0.25 --no-video --out small-out
 has small-out/manifest.json "scaled from 1080x1920 to 270x480"

@@ -170,7 +170,7 @@ TEST(Runner, WritesTheContractsFilesWithTrueFigures) {
   const RegistrationResult registration =
       evaluate_registration(run.record.registration_input, run.info.camera, {});
   const RunTrajectory trajectory = evaluate_run(run.record, Mode::kVehicle);
-  const nlohmann::json summary = summarise(run.record, trajectory, registration, 41.57);
+  const nlohmann::json summary = summarise(run.record, trajectory, registration, 41.57, run.info);
   RunIdentity identity;
   identity.source = "hall-small";
   identity.options.filter = "truth";
@@ -208,7 +208,22 @@ TEST(Runner, WritesTheContractsFilesWithTrueFigures) {
   EXPECT_TRUE(std::filesystem::exists(run.record.overlay));
   const auto problem = draw_with_python("report.html", kReportScript, folder.path());
   if (problem.has_value()) GTEST_SKIP() << *problem;
-  EXPECT_GT(std::filesystem::file_size(folder.path() / "report.html"), 20000U);
+  const std::string page = read_text(folder.path() / "report.html", 1U << 25U, "a page");
+  EXPECT_GT(page.size(), 20000U);
+  // The verdict comes before all else, and every chart is there for a page and for a phone.
+  const std::string headline = summary["verdict"]["headline"].get<std::string>();
+  const std::size_t at = page.find(headline);
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_LT(at, page.find("<div class='cards'>"));
+  EXPECT_NE(page.find("NEES 12.5"), std::string::npos);
+  const auto count = [&](const std::string& part) {
+    int n = 0;
+    for (std::size_t i = page.find(part); i != std::string::npos; i = page.find(part, i + 1)) ++n;
+    return n;
+  };
+  EXPECT_GE(count("<div class='chart wide'>"), 5);
+  EXPECT_EQ(count("<div class='chart wide'>"), count("<div class='chart narrow'>"));
+  EXPECT_EQ(count("<img "), static_cast<int>(run.record.pictures.size()));
 }
 
 TEST(Runner, LogHashFollowsWhatTheTrackerDecidedAlone) {

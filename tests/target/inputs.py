@@ -31,7 +31,7 @@ def command_of(entry, host, log, out):
         return entry["command"]
     frames = ["--max-frames", str(entry["frames"])] if "frames" in entry else []
     return [host / "bin/cairn_sim", "run", entry["source"], *entry.get("arguments", []), *frames,
-            "--no-video", "--out", out, "--record", log]
+            "--no-video", "--force", "--out", out, "--record", log]
 
 
 def entries_of(names=None):

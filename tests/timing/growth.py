@@ -51,7 +51,7 @@ within {near:.0f} %.
 def record(source, mode=None):
     name = "".join(c if c.isalnum() else "-" for c in source) + (f"-{mode}" if mode else "")
     log = OUT / f"{name}.log"
-    command = [ROOT / "build/host/bin/cairn_sim", "run", source, "--no-video", "--out", OUT / name,
+    command = [ROOT / "build/host/bin/cairn_sim", "run", source, "--no-video", "--force", "--out", OUT / name,
                "--record", log]
     if not source.startswith("stress"):
         command += ["--mode", mode, "--max-frames", "60"]

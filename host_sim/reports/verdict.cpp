@@ -1,0 +1,185 @@
+#include "host_sim/reports/verdict.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace cairn::host {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kEnoughTracked = 0.95;
+constexpr double kSomeTracked = 0.5;
+constexpr double kMostOverBudget = 0.01;
+constexpr double kNeesTooLarge = 2.0;  // over its degrees of freedom
+constexpr double kNeesSmall = 0.3;
+constexpr double kNisTooLarge = 1.5;
+constexpr double kNisSmall = 0.3;
+constexpr double kMostRegistration = 0.01;  // of the picture's width
+
+class Judge {
+ public:
+  Judge(const json& summary, int image_width) : summary_(summary), image_width_(image_width) {}
+
+  Verdict judge() {
+    judge_inputs();
+    judge_tracking();
+    judge_consistency();
+    judge_errors();
+    judge_budget();
+    Verdict verdict{headline(), std::move(points_)};
+    std::stable_sort(
+        verdict.points.begin(), verdict.points.end(),
+        [](const VerdictPoint& a, const VerdictPoint& b) { return a.grade > b.grade; });
+    return verdict;
+  }
+
+ private:
+  template <class... Arguments>
+  void say(Grade grade, fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    points_.push_back({grade, fmt::format(format, std::forward<Arguments>(arguments)...)});
+  }
+
+  double tracked_share() const {
+    const auto frames = summary_["frames"].get<double>();
+    return frames > 0.0 ? summary_["tracked"].get<double>() / frames : 0.0;
+  }
+
+  std::string headline() const {
+    const double share = tracked_share();
+    const bool bad = std::any_of(points_.begin(), points_.end(), [](const VerdictPoint& point) {
+      return point.grade == Grade::kBad;
+    });
+    if (share >= kEnoughTracked) return bad ? "Tracked, with reservations" : "Tracked well";
+    return share >= kSomeTracked ? "Tracked in part" : "Not tracked";
+  }
+
+  void judge_inputs() {
+    const json& input = summary_["input"];
+    if (!summary_["interrupted_by"].is_null()) {
+      say(Grade::kBad, "Interrupted after {} frames", summary_["frames"].get<int>());
+    }
+    if (input["damaged"].get<bool>()) say(Grade::kBad, "The input ended early: it is damaged");
+    for (const json& warning : input["warnings"]) {
+      const auto text = warning.get<std::string>();
+      say(text.rfind("no calibration", 0) == 0 ? Grade::kBad : Grade::kNote, "{}", text);
+    }
+  }
+
+  void judge_tracking() {
+    std::string reasons;
+    for (const auto& [reason, frames] : summary_["not_tracked"].items()) {
+      reasons += fmt::format("{}{} {}", reasons.empty() ? ": " : ", ", reason, frames.get<int>());
+    }
+    const double share = tracked_share();
+    say(share >= kEnoughTracked ? Grade::kGood : Grade::kBad,
+        "Tracked in {} of {} frames ({:.1f} %){}", summary_["tracked"].get<int>(),
+        summary_["frames"].get<int>(), 100.0 * share,
+        share < 1.0 && !reasons.empty() ? "; not tracked" + reasons : std::string());
+    if (const int lost = summary_["lost"].get<int>(); lost > 0) {
+      say(Grade::kNote, "The pose was lost in {} frames and found again {} times", lost,
+          summary_["relocalised"].get<int>());
+    }
+  }
+
+  void judge_consistency() {
+    const json& nees = summary_["nees"];
+    if (!nees["mean"].is_null()) {
+      const auto mean = nees["mean"].get<double>();
+      const auto dof = nees["dof"].get<double>();
+      if (mean > kNeesTooLarge * dof) {
+        say(Grade::kBad,
+            "The pose is further from the truth than its covariance says: NEES {:.1f}, {:.0f} is "
+            "consistent",
+            mean, dof);
+      } else {
+        say(mean < kNeesSmall * dof ? Grade::kNote : Grade::kGood,
+            "The covariance of the pose is {}: NEES {:.1f}, {:.0f} is consistent",
+            mean < kNeesSmall * dof ? "cautious" : "right", mean, dof);
+      }
+    }
+    const json& nis = summary_["nis"];
+    if (nis["mean"].is_null()) return;
+    const auto mean = nis["mean"].get<double>();
+    const auto dof = nis["dof"].get<double>();
+    if (mean > kNisTooLarge * dof) {
+      say(Grade::kBad,
+          "Landmarks are further from where they were expected than the filter says (calibration, "
+          "time stamps, mounting?): NIS {:.1f} at {:.1f} degrees of freedom",
+          mean, dof);
+    } else if (mean < kNisSmall * dof) {
+      say(Grade::kNote,
+          "Landmarks are nearer to where they were expected than the filter says: NIS {:.1f} at "
+          "{:.1f} degrees of freedom",
+          mean, dof);
+    } else {
+      say(Grade::kGood,
+          "Landmarks are where the filter expects them: NIS {:.1f} at {:.1f} degrees "
+          "of freedom",
+          mean, dof);
+    }
+  }
+
+  void judge_errors() {
+    const json& registration = summary_["registration_px"]["mean"];
+    if (!registration.is_null()) {
+      const auto mean = registration.get<double>();
+      const bool good = mean <= kMostRegistration * image_width_;
+      say(good ? Grade::kGood : Grade::kBad,
+          "Virtual objects {}: registration error {:.2f} px on average, {:.2f} % of the width",
+          good ? "stay in place" : "drift", mean, 100.0 * mean / image_width_);
+    }
+    const json& trajectory = summary_["trajectory"];
+    if (trajectory["ate_rmse_m"].is_null()) {
+      say(Grade::kNote, "No truth to compare the path with");
+    } else {
+      say(Grade::kNote, "Path {:.3f} m (rms) from the truth{}",
+          trajectory["ate_rmse_m"].get<double>(),
+          trajectory["aligned"] == "sim3" ? ", after the best similarity" : "");
+    }
+  }
+
+  void judge_budget() {
+    const json& latency = summary_["latency_ms"];
+    const auto over = latency["over_budget"].get<double>();
+    say(over <= kMostOverBudget ? Grade::kGood : Grade::kBad,
+        "{:.2f} % of the frames took longer than the budget of {:g} ms on this machine; 99 % took "
+        "at "
+        "most {:.2f} ms",
+        100.0 * over, latency["budget"].get<double>(), latency["p99"].get<double>());
+  }
+
+  const json& summary_;
+  int image_width_;
+  std::vector<VerdictPoint> points_;
+};
+
+const char* name_of(Grade grade) {
+  switch (grade) {
+    case Grade::kGood:
+      return "good";
+    case Grade::kBad:
+      return "bad";
+    case Grade::kNote:
+      break;
+  }
+  return "note";
+}
+
+}  // namespace
+
+Verdict judge(const json& summary, int image_width) {
+  return Judge(summary, image_width).judge();
+}
+
+json to_json(const Verdict& verdict) {
+  json points = json::array();
+  for (const VerdictPoint& point : verdict.points) {
+    points.push_back({{"grade", name_of(point.grade)}, {"text", point.text}});
+  }
+  return {{"headline", verdict.headline}, {"points", points}};
+}
+
+}  // namespace cairn::host

@@ -1,0 +1,92 @@
+#include "host_sim/reports/verdict.hpp"
+
+#include <gtest/gtest.h>
+
+#include "input_messages.hpp"
+
+namespace cairn::host {
+namespace {
+
+using nlohmann::json;
+
+json good_summary() {
+  return {{"frames", 200},
+          {"tracked", 198},
+          {"not_tracked", {{"start", 2}}},
+          {"lost", 0},
+          {"relocalised", 0},
+          {"interrupted_by", nullptr},
+          {"input", {{"warnings", json::array()}, {"damaged", false}}},
+          {"nees", {{"mean", 2.8}, {"dof", 3}}},
+          {"nis", {{"mean", 38.0}, {"dof", 40.0}}},
+          {"registration_px", {{"mean", 1.5}}},
+          {"trajectory", {{"ate_rmse_m", 0.012}, {"aligned", "sim3"}}},
+          {"latency_ms", {{"over_budget", 0.0}, {"budget", 41.57}, {"p99", 3.2}}}};
+}
+
+/// "grade text" of every point, a line each.
+std::string text_of(const Verdict& verdict) {
+  std::string text = verdict.headline + "\n";
+  const json whole = to_json(verdict);
+  for (const json& point : whole["points"]) {
+    text += point["grade"].get<std::string>() + " " + point["text"].get<std::string>() + "\n";
+  }
+  return text;
+}
+
+TEST(Verdict, OfAGoodRun) {
+  const std::string text = text_of(judge(good_summary(), 640));
+  EXPECT_TRUE(says(text, {"Tracked well\n", "good Tracked in 198 of 200 frames (99.0 %)", "start 2",
+                          "good The covariance of the pose is right: NEES 2.8, 3",
+                          "good Landmarks are where", "good Virtual objects stay in place",
+                          "note Path 0.012 m (rms) from the truth, after the best similarity",
+                          "good 0.00 % of the frames took longer than the budget of 41.57 ms"}));
+  EXPECT_EQ(text.find("bad "), std::string::npos);
+}
+
+TEST(Verdict, NamesWhatIsBadFirst) {
+  json summary = good_summary();
+  summary["nees"]["mean"] = 9.4;
+  const std::string overconfident = text_of(judge(summary, 640));
+  EXPECT_TRUE(
+      says(overconfident, {"Tracked, with reservations\nbad The pose is further", "NEES 9.4"}));
+
+  summary = good_summary();
+  summary["nis"]["mean"] = 3.3;
+  EXPECT_TRUE(
+      says(text_of(judge(summary, 640)), {"Tracked well", "note Landmarks are nearer", "NIS 3.3"}));
+  summary["nis"]["mean"] = 70.0;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"bad Landmarks are further", "calibration"}));
+
+  summary = good_summary();
+  summary["registration_px"]["mean"] = 8.0;
+  EXPECT_TRUE(
+      says(text_of(judge(summary, 640)), {"bad Virtual objects drift", "8.00 px", "1.25 %"}));
+  summary["latency_ms"]["over_budget"] = 0.02;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"bad 2.00 % of the frames took longer"}));
+  summary["input"]["warnings"] = {"no calibration: a guess", "covers 31 %"};
+  EXPECT_TRUE(
+      says(text_of(judge(summary, 640)), {"bad no calibration: a guess", "note covers 31 %"}));
+  summary["input"]["damaged"] = true;
+  summary["interrupted_by"] = 2;
+  EXPECT_TRUE(
+      says(text_of(judge(summary, 640)), {"bad Interrupted after 200", "bad The input ended"}));
+}
+
+TEST(Verdict, OfARunThatDidNotTrack) {
+  json summary = good_summary();
+  for (const char* key : {"nees", "nis", "registration_px"}) summary[key]["mean"] = nullptr;
+  summary["trajectory"]["ate_rmse_m"] = nullptr;
+  summary["tracked"] = 120;
+  summary["lost"] = 40;
+  EXPECT_TRUE(
+      says(text_of(judge(summary, 640)), {"Tracked in part\nbad Tracked in 120 of 200",
+                                          "note The pose was lost in 40", "note No truth"}));
+  summary["tracked"] = 10;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Not tracked\n"}));
+  summary["frames"] = 0;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Not tracked\n"}));
+}
+
+}  // namespace
+}  // namespace cairn::host
