@@ -84,8 +84,9 @@ enum class Mode : std::uint8_t { kVehicle, kHandheld };
 
 struct TrackerOptions {
   Mode mode = Mode::kVehicle;
-  std::string filter = kDefaultVehicleFilter;  ///< group-iekf, lifted-iekf, ekf; handheld: mono, window
-  std::string fading;  ///< a number, adaptive, or empty for the filter's own
+  std::string filter =
+      kDefaultVehicleFilter;  ///< group-iekf, lifted-iekf, ekf; handheld: mono, window
+  std::string fading;         ///< a number, adaptive, or empty for the filter's own
   double budget_ms = kDefaultBudgetMs;
   std::uint64_t seed = 1;
   HandheldOptions handheld;
