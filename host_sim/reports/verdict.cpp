@@ -26,6 +26,7 @@ class Judge {
   Verdict judge() {
     judge_inputs();
     judge_tracking();
+    judge_mount();
     judge_consistency();
     judge_errors();
     judge_budget();
@@ -81,6 +82,26 @@ class Judge {
     if (const int lost = summary_["lost"].get<int>(); lost > 0) {
       say(Grade::kNote, "The pose was lost in {} frames and found again {} times", lost,
           summary_["relocalised"].get<int>());
+    }
+  }
+
+  void judge_mount() {
+    struct Part {
+      const char* key;
+      const char* name;
+      const char* unit;
+    };
+    constexpr Part kParts[] = {
+        {"yaw_deg", "yaw on the vehicle (or the principal point's column)", "deg"},
+        {"pitch_deg", "pitch on the vehicle (or the principal point's row)", "deg"},
+        {"roll_deg", "roll on the vehicle", "deg"},
+        {"focal_percent", "focal length (or the odometry's yaw rate)", "%"}};
+    if (!summary_.contains("mount") || summary_["mount"].is_null()) return;
+    for (const Part& part : kParts) {
+      const json& offset = summary_["mount"][part.key];
+      if (!offset["suspect"].get<bool>()) continue;
+      say(Grade::kBad, "The camera's {} is off by {:+.1f} +- {:.1f} {}", part.name,
+          offset["off"].get<double>(), offset["sigma"].get<double>(), part.unit);
     }
   }
 

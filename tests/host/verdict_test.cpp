@@ -44,6 +44,17 @@ TEST(Verdict, OfAGoodRun) {
   EXPECT_EQ(text.find("bad "), std::string::npos);
 }
 
+TEST(Verdict, NamesTheSuspectPartOfTheMount) {
+  json summary = good_summary();
+  const json right = {{"off", 0.2}, {"sigma", 0.3}, {"suspect", false}};
+  summary["mount"] = {
+      {"yaw_deg", right}, {"pitch_deg", right}, {"roll_deg", right}, {"focal_percent", right}};
+  EXPECT_EQ(text_of(judge(summary, 640)).find("is off by"), std::string::npos);
+  summary["mount"]["yaw_deg"] = {{"off", -4.8}, {"sigma", 0.3}, {"suspect", true}};
+  EXPECT_TRUE(says(text_of(judge(summary, 640)),
+                   {"Tracked, with reservations\nbad The camera's yaw", "off by -4.8 +- 0.3 deg"}));
+}
+
 TEST(Verdict, NamesWhatIsBadFirst) {
   json summary = good_summary();
   summary["nees"]["mean"] = 9.4;
