@@ -23,7 +23,7 @@ cmake --preset web
 cmake --build "$wasm" --target engine exercise replay_vehicle replay_handheld
 
 mkdir -p "$work" "$page"
-"$host/bin/cairn_sim" run hall --max-frames "$frames" --no-video --out "$work/hall" --record "$work/recorded.log"
+"$host/bin/cairn_sim" run hall --max-frames "$frames" --no-video --force --out "$work/hall" --record "$work/recorded.log"
 "$python" web/make_clip.py "$work/recorded.log" "$page/hall.clip" "$quality"
 rm "$work/recorded.log"
 "$host/bin/unpack_clip" "$page/hall.clip" "$work/hall.log"
