@@ -78,6 +78,7 @@ py::dict dict_of(const cairn_health& h) {
   CAIRN_COUNTER(false_relocalisations_refused);
   CAIRN_COUNTER(budget_exceeded);
   CAIRN_COUNTER(low_texture_frames);
+  CAIRN_COUNTER(mount_suspicions);
 #undef CAIRN_COUNTER
   return out;
 }
@@ -216,14 +217,21 @@ void add_common(Bound& bound) {
 #define CAIRN_FIELD(type, name) def_readwrite(#name, &type::name)
 
 void add_settings(py::module_& module) {
-  py::class_<cairn_camera>(module, "Camera", "Pinhole camera with OpenCV's distortion; px.")
+  py::class_<cairn_camera>(
+      module, "Camera",
+      "Camera with OpenCV's distortion, rational where k4 to k6 are given, or a "
+      "fisheye with k1 to k4; px.")
       .def(py::init([](int width, int height, float fx, float fy, float cx, float cy, float k1,
-                       float k2, float p1, float p2, float k3) {
-             return cairn_camera{fx, fy, cx, cy, k1, k2, p1, p2, k3, width, height};
+                       float k2, float p1, float p2, float k3, float k4, float k5, float k6,
+                       bool fisheye) {
+             const cairn_lens lens = fisheye ? CAIRN_LENS_FISHEYE : CAIRN_LENS_RADIAL_TANGENTIAL;
+             return cairn_camera{fx, fy,    cx,     cy, k1, k2, p1,  p2,
+                                 k3, width, height, k4, k5, k6, lens};
            }),
            py::arg("width"), py::arg("height"), py::arg("fx"), py::arg("fy"), py::arg("cx"),
            py::arg("cy"), py::arg("k1") = 0.0F, py::arg("k2") = 0.0F, py::arg("p1") = 0.0F,
-           py::arg("p2") = 0.0F, py::arg("k3") = 0.0F);
+           py::arg("p2") = 0.0F, py::arg("k3") = 0.0F, py::arg("k4") = 0.0F, py::arg("k5") = 0.0F,
+           py::arg("k6") = 0.0F, py::arg("fisheye") = false);
   py::class_<cairn_vehicle_start>(module, "VehicleStart", "Where the vehicle starts, in the map.")
       .def(py::init([](std::int64_t t_us, float x, float y, float heading, float position_variance,
                        float heading_variance) {

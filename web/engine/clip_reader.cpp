@@ -36,13 +36,13 @@ Status ClipReader::open(const std::uint8_t* clip, std::size_t size, cairn::Input
   size_ = size;
   at_ = kLogMagicBytes;
   Record record;
-  if (!read_record(record) || !is(LogRecord::kHeader, record.type) ||
-      record.size != kLogHeaderBytes) {
-    return Status::kCorrupt;
-  }
+  if (!read_record(record) || !is(LogRecord::kHeader, record.type)) return Status::kCorrupt;
+  const bool has_lens = record.size == kLogHeaderBytes + kLogLensBytes;
+  if (record.size != kLogHeaderBytes && !has_lens) return Status::kCorrupt;
   std::uint8_t bytes[kLogHeaderBytes];
   copy(record.payload, bytes);
-  const Status status = decode_header(bytes, header);
+  const Status status =
+      decode_header(bytes, has_lens ? record.payload + kLogHeaderBytes : nullptr, header);
   if (!ok(status)) return status;
   width_ = header.camera.width;
   height_ = header.camera.height;

@@ -86,7 +86,9 @@ cairn_status make_objects(float height_m) {
 }
 
 cairn_camera camera_of(const cairn::PinholeCamera<float>& c) {
-  return {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3, c.width, c.height};
+  return {c.fx,     c.fy, c.cx, c.cy, c.k1,
+          c.k2,     c.p1, c.p2, c.k3, c.width,
+          c.height, c.k4, c.k5, c.k6, static_cast<cairn_lens>(c.lens)};
 }
 
 cairn_transform transform_of(const cairn::Rigid<float>& T) {
@@ -100,7 +102,9 @@ cairn::Rigid<float> rigid_of(const cairn_transform& T) {
 
 cairn::PinholeCamera<float> pinhole() {
   const cairn_camera& c = engine.camera;
-  return {c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3, c.width, c.height};
+  return {c.fx,     c.fy, c.cx, c.cy, c.k1,
+          c.k2,     c.p1, c.p2, c.k3, c.width,
+          c.height, c.k4, c.k5, c.k6, static_cast<cairn::Lens>(c.lens)};
 }
 
 /// As cairn::start_replay().
@@ -345,17 +349,12 @@ std::int32_t web_start_camera(std::int32_t width, std::int32_t height, float fov
   cairn::sin_cos(0.5F * fov_rad, sine, cosine);
   const float longer = static_cast<float>(width > height ? width : height);
   const float focal = 0.5F * longer * cosine / sine;
-  engine.camera = {focal,
-                   focal,
-                   0.5F * static_cast<float>(width - 1),
-                   0.5F * static_cast<float>(height - 1),
-                   0.0F,
-                   0.0F,
-                   0.0F,
-                   0.0F,
-                   0.0F,
-                   width,
-                   height};
+  engine.camera = cairn_camera{};
+  engine.camera.fx = engine.camera.fy = focal;
+  engine.camera.cx = 0.5F * static_cast<float>(width - 1);
+  engine.camera.cy = 0.5F * static_cast<float>(height - 1);
+  engine.camera.width = width;
+  engine.camera.height = height;
   cairn_status status =
       cairn_handheld_initialise(engine.handheld_memory.bytes, sizeof engine.handheld_memory,
                                 &engine.camera, nullptr, &engine.handheld);
