@@ -9,7 +9,6 @@ constexpr float kEnoughFlow_px = 10.0F;
 constexpr float kLeastFlow_px = 4.0F;
 constexpr float kLongest_s = 2.0F;
 constexpr int kFewestViews = 8;
-constexpr int kRefinements = 2;
 // No floor is flatter, no wheel truer: roll, pitch and yaw of one pair of frames.
 constexpr float kLeastMotionVariance = 1e-6F;
 
@@ -76,10 +75,8 @@ bool MountCheck::compare(const OdometryStep& step, const PixelMatch<float>* matc
   const float enough_px = fading ? kLeastFlow_px : kEnoughFlow_px;
   const float wanted_px = enough_px * static_cast<float>(both.size());
   if (flow_px < wanted_px) return fading;
-  for (int round = 0; round < kRefinements; ++round) {
-    for (const TwoViews& views : both) evidence_.add(views);
-    evidence_.refine_motion();
-  }
+  for (const TwoViews& views : both) evidence_.add(views);
+  evidence_.refine_motion();
   flow_px = 0.0F;
   for (const TwoViews& views : both) flow_px += evidence_.flow_px(views);
   if (flow_px < wanted_px) return fading;

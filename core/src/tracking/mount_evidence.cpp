@@ -18,12 +18,6 @@ constexpr float kBoundInSigmas = 2.0F;
 // What a careful calibration leaves: 1 deg of yaw and pitch, 1.5 deg of roll, 2.5 %.
 constexpr float kTolerance[MountOffset::kParts] = {0.0175F, 0.0175F, 0.026F, 0.025F};
 
-Vector3<float> axis(int i) {
-  Vector3<float> unit = Vector3<float>::Zero();
-  unit[i] = 1.0F;
-  return unit;
-}
-
 float dot2(const Vector3<float>& a, const Vector3<float>& b) {
   return a.x() * b.x() + a.y() * b.y();
 }
@@ -64,48 +58,50 @@ float MountEvidence::flow_px(const TwoViews& views) const {
 }
 
 /// Of e = second . (t x R first), divided by the length of its gradient by the four image
-/// coordinates. False where the views lie at the direction of travel, which leaves no line.
+/// coordinates. Before the motion is refined only its derivatives are needed. False where the views
+/// lie at the direction of travel, which leaves no line.
 bool MountEvidence::row_of(const TwoViews& views, Row& row) const {
   const Vector3<float> first = ray(views.first);
   const Vector3<float> second = ray(views.second);
   const Vector3<float> turned = pair_.R * first;
   const Vector3<float> normal = second.cross(pair_.t);
   const Vector3<float> line = pair_.t.cross(turned);
-  const Vector3<float> line_first = pair_.R.transpose() * normal;
+  const Matrix3<float> back = pair_.R.transpose();
+  const Vector3<float> line_first = back * normal;
   const float squared = dot2(line, line) + dot2(line_first, line_first);
   if (!(squared > 1e-12F)) return false;
   const float to_px = focal_px_ / (pair_.scale * sqrt(squared));
   row.residual_px = to_px * turned.dot(normal);
 
-  struct Change {
-    Vector3<float> second, t, turned, line_first;
-    float length;  ///< of the unit: pixels grow with the focal length
-  };
-  const auto derivative = [&](const Change& change) {
-    const Vector3<float> d_normal = change.second.cross(pair_.t) + second.cross(change.t);
-    const Vector3<float> d_line = change.t.cross(turned) + pair_.t.cross(change.turned);
-    const Vector3<float> d_line_first = change.line_first + pair_.R.transpose() * d_normal;
+  // Of the residual, by the changes of e and of both lines.
+  const auto derivative = [&](float e, const Vector3<float>& d_line,
+                              const Vector3<float>& d_line_first) {
     const float d_length = (dot2(line, d_line) + dot2(line_first, d_line_first)) / squared;
-    return to_px * (change.turned.dot(normal) + turned.dot(d_normal)) +
-           row.residual_px * (change.length - d_length);
+    return to_px * e - row.residual_px * d_length;
   };
-  const Vector3<float> zero = Vector3<float>::Zero();
+  for (int i = 0; i < kMotions; ++i) {
+    const Vector3<float> axis = pair_.rotation_vehicle_camera.row(i).transpose();
+    const Vector3<float> d_turned = axis.cross(turned);
+    row.by[kParts + i] =
+        derivative(d_turned.dot(normal), pair_.t.cross(d_turned), -(back * axis.cross(normal)));
+  }
+  if (!pair_.refined) return true;
   constexpr int kAxis[3] = {2, 1, 0};  // of yaw, pitch, roll
   for (int i = 0; i < 3; ++i) {
-    const Vector3<float> turn = pair_.rotation_vehicle_camera.transpose() * axis(kAxis[i]);
-    row.by[i] =
-        derivative({zero, -turn.cross(pair_.t), pair_.R * turn.cross(first) - turn.cross(turned),
-                    pair_.R.transpose() * turn.cross(normal) - turn.cross(line_first), 0.0F});
+    const Vector3<float> axis = pair_.rotation_vehicle_camera.row(kAxis[i]).transpose();
+    const Vector3<float> d_t = pair_.t.cross(axis);
+    const Vector3<float> d_turned = pair_.R * axis.cross(first) - axis.cross(turned);
+    const Vector3<float> d_normal = second.cross(d_t);
+    row.by[i] = derivative(d_turned.dot(normal) + turned.dot(d_normal),
+                           d_t.cross(turned) + pair_.t.cross(d_turned),
+                           back * (axis.cross(normal) + d_normal) - axis.cross(line_first));
   }
-  const Vector3<float> first_scaled(-first.x(), -first.y(), 0.0F);
-  const Vector3<float> second_scaled(-second.x(), -second.y(), 0.0F);
+  // A longer focal length makes rays narrower and pixels larger.
+  const Vector3<float> d_turned = pair_.R * Vector3<float>(-first.x(), -first.y(), 0.0F);
+  const Vector3<float> d_normal = Vector3<float>(-second.x(), -second.y(), 0.0F).cross(pair_.t);
   row.by[MountOffset::kFocal] =
-      derivative({second_scaled, zero, pair_.R * first_scaled, zero, 1.0F});
-  for (int i = 0; i < kMotions; ++i) {
-    const Vector3<float> turn = pair_.rotation_vehicle_camera.transpose() * axis(i);
-    row.by[kParts + i] = derivative(
-        {zero, zero, turn.cross(turned), -(pair_.R.transpose() * turn.cross(normal)), 0.0F});
-  }
+      row.residual_px + derivative(d_turned.dot(normal) + turned.dot(d_normal),
+                                   pair_.t.cross(d_turned), back * d_normal);
   return true;
 }
 
