@@ -79,7 +79,7 @@ class Drive {
     step.tilt_variance = 2.0F * square(truth_.sigma_tilt);
     step.step_s = kStep_s;
     PixelMatch<float> matches[kLandmarks];
-    check_.add(step, matches, see(matches));
+    check_.add(camera_, step, matches, see(matches));
   }
 
   int see(PixelMatch<float>* matches) {

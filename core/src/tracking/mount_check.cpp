@@ -12,6 +12,10 @@ constexpr int kFewestViews = 8;
 // No floor is flatter, no wheel truer: roll, pitch and yaw of one pair of frames.
 constexpr float kLeastMotionVariance = 1e-6F;
 
+Vector2<float> view_of(const PinholeCamera<float>& camera, const Vector2<float>& pixel) {
+  return camera.unproject(pixel).head<2>();
+}
+
 /// The vehicle's frame at `from`, seen from its frame at `to`.
 Rigid<float> between(const PlanarPose<float>& from, const PlanarPose<float>& to) {
   const float yaw = from.heading - to.heading;
@@ -29,18 +33,18 @@ Rigid<float> between(const PlanarPose<float>& from, const PlanarPose<float>& to)
 void MountCheck::reset(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
                        float sigma_px) {
   evidence_.reset(T_vehicle_camera.rotation, 0.5F * (camera.fx + camera.fy), sigma_px);
-  camera_ = camera;
   camera_m_ = T_vehicle_camera.translation;
   reference_.clear();
 }
 
-void MountCheck::add(const OdometryStep& step, const PixelMatch<float>* matches, int count) {
+void MountCheck::add(const PinholeCamera<float>& camera, const OdometryStep& step,
+                     const PixelMatch<float>* matches, int count) {
   yaw_variance_ += step.yaw_variance;
   tilt_variance_ += step.tilt_variance;
   since_s_ += step.step_s;
-  const bool served = compare(step, matches, count);
+  const bool served = compare(camera, step, matches, count);
   if (served || reference_.size() < kFewestViews || since_s_ > kLongest_s) {
-    take_reference(step, matches, count);
+    take_reference(camera, step, matches, count);
   }
 }
 
@@ -51,11 +55,8 @@ const MountCheck::View* MountCheck::find(LandmarkId id) const {
   return nullptr;
 }
 
-Vector2<float> MountCheck::view_of(const Vector2<float>& pixel) const {
-  return camera_.unproject(pixel).head<2>();
-}
-
-bool MountCheck::compare(const OdometryStep& step, const PixelMatch<float>* matches, int count) {
+bool MountCheck::compare(const PinholeCamera<float>& camera, const OdometryStep& step,
+                         const PixelMatch<float>* matches, int count) {
   const float sigma_tilt = sqrt(kLeastMotionVariance + tilt_variance_);
   const float sigma_motion[MountEvidence::kMotions] = {sigma_tilt, sigma_tilt,
                                                        sqrt(kLeastMotionVariance + yaw_variance_)};
@@ -65,7 +66,7 @@ bool MountCheck::compare(const OdometryStep& step, const PixelMatch<float>* matc
   for (int i = 0; i < count && !both.full(); ++i) {
     const View* first = find(matches[i].id);
     if (first == nullptr) continue;
-    const TwoViews views = {first->view, view_of(matches[i].pixel)};
+    const TwoViews views = {first->view, view_of(camera, matches[i].pixel)};
     flow_px += evidence_.flow_px(views);
     static_cast<void>(both.push_back(views));
   }
@@ -85,11 +86,11 @@ bool MountCheck::compare(const OdometryStep& step, const PixelMatch<float>* matc
   return true;
 }
 
-void MountCheck::take_reference(const OdometryStep& step, const PixelMatch<float>* matches,
-                                int count) {
+void MountCheck::take_reference(const PinholeCamera<float>& camera, const OdometryStep& step,
+                                const PixelMatch<float>* matches, int count) {
   reference_.clear();
   for (int i = 0; i < count && !reference_.full(); ++i) {
-    static_cast<void>(reference_.push_back({matches[i].id, view_of(matches[i].pixel)}));
+    static_cast<void>(reference_.push_back({matches[i].id, view_of(camera, matches[i].pixel)}));
   }
   path_ = step.path;
   yaw_variance_ = tilt_variance_ = since_s_ = 0.0F;

@@ -123,7 +123,7 @@ void MountEvidence::add(const TwoViews& views) {
   for (int i = 0; i < kAll; ++i) {
     const float weighted = weight * row.by[i];
     pair_.right[i] += weighted * (i < kParts ? nominal_px : row.residual_px);
-    for (int k = 0; k < kAll; ++k) pair_.information[i][k] += weighted * row.by[k];
+    for (int k = 0; k <= i; ++k) pair_.information[at(i, k)] += weighted * row.by[k];
   }
   pair_.squares += weight * square(row.residual_px);
   pair_.rows += 1.0F;
@@ -133,7 +133,7 @@ bool MountEvidence::motion_equations(Matrix3<float>& inverse, Vector3<float>& re
   Matrix3<float> motion;
   for (int i = 0; i < kMotions; ++i) {
     for (int k = 0; k < kMotions; ++k) {
-      motion(i, k) = pair_.information[kParts + i][kParts + k];
+      motion(i, k) = pair_.information[at(kParts + i, kParts + k)];
     }
     motion(i, i) += 1.0F / pair_.variance[i];
     residual[i] = pair_.right[kParts + i] + pair_.motion[i] / pair_.variance[i];
@@ -151,9 +151,7 @@ void MountEvidence::refine_motion() {
           .toRotationMatrix();
   pair_.motion += step;
   pair_.R = turn * pair_.R;
-  for (float(&row)[kAll] : pair_.information) {
-    for (float& value : row) value = 0.0F;
-  }
+  for (float& value : pair_.information) value = 0.0F;
   for (float& value : pair_.right) value = 0.0F;
   pair_.squares = pair_.rows = pair_.outliers = 0.0F;
   pair_.refined = true;
@@ -165,7 +163,7 @@ void MountEvidence::end_pair(float step_s) {
   if (kOutlierShare * pair_.outliers > pair_.rows || !motion_equations(inverse, residual)) return;
   Matrix<float, kParts, kMotions> mixed;
   for (int i = 0; i < kMotions; ++i) {
-    for (int k = 0; k < kParts; ++k) mixed(k, i) = pair_.information[k][kParts + i];
+    for (int k = 0; k < kParts; ++k) mixed(k, i) = pair_.information[at(kParts + i, k)];
   }
 
   Vector3<float> nominal = residual;  // the same at no offset, where the sums are taken
@@ -176,7 +174,7 @@ void MountEvidence::end_pair(float step_s) {
     const Vector3<float> through = inverse * mixed.row(i).transpose();
     right_[i] = keep * right_[i] + pair_.right[i] - through.dot(nominal);
     for (int k = 0; k < kParts; ++k) {
-      information_[i][k] = keep * information_[i][k] + pair_.information[i][k] -
+      information_[i][k] = keep * information_[i][k] + pair_.information[at(i, k)] -
                            through.dot(Vector3<float>(mixed.row(k).transpose()));
     }
   }

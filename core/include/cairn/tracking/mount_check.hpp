@@ -24,16 +24,17 @@ struct OdometryStep {
 /// becomes the next reference.
 class MountCheck {
  public:
-  static constexpr int kMostViews = 32;
+  static constexpr int kMostViews = 24;
 
   /// Starts anew with the assumed camera and mount. `sigma_px`: standard deviation of a match.
   void reset(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
              float sigma_px);
 
-  /// The matches of one frame, whether the filter agrees with them or not. Looks at the first
-  /// kMostViews that the reference has too. Cost: some 16,000 instructions, and 60,000 more in the
-  /// frames that become the reference.
-  void add(const OdometryStep& step, const PixelMatch<float>* matches, int count);
+  /// The matches of one frame of the camera given to reset(), whether the filter agrees with them
+  /// or not. Looks at the first kMostViews that the reference has too. Cost on a Cortex-M7: some
+  /// 20,000 instructions, and 120,000 more in the frames that become the reference.
+  void add(const PinholeCamera<float>& camera, const OdometryStep& step,
+           const PixelMatch<float>* matches, int count);
 
   const MountOffset& offset() const { return evidence_.offset(); }
 
@@ -45,13 +46,13 @@ class MountCheck {
   using Views = FixedVector<View, kMostViews>;
 
   const View* find(LandmarkId id) const;
-  Vector2<float> view_of(const Vector2<float>& pixel) const;
   /// Evaluates the matches against the reference: whether it has served.
-  bool compare(const OdometryStep& step, const PixelMatch<float>* matches, int count);
-  void take_reference(const OdometryStep& step, const PixelMatch<float>* matches, int count);
+  bool compare(const PinholeCamera<float>& camera, const OdometryStep& step,
+               const PixelMatch<float>* matches, int count);
+  void take_reference(const PinholeCamera<float>& camera, const OdometryStep& step,
+                      const PixelMatch<float>* matches, int count);
 
   MountEvidence evidence_;
-  PinholeCamera<float> camera_;
   Vector3<float> camera_m_ = Vector3<float>::Zero();
   Views reference_;
   PlanarPose<float> path_;

@@ -73,15 +73,13 @@ class MountEvidence {
   };
   /// Normal equations of one pair.
   struct Pair {
-    Rigid<float> T_second_first;
-    Vector3<float> camera_m = Vector3<float>::Zero();
     Matrix3<float> rotation_vehicle_camera = Matrix3<float>::Identity();  ///< as estimated by now
     Matrix3<float> R = Matrix3<float>::Identity();  ///< first camera to second
     Vector3<float> t = Vector3<float>::Zero();      ///< first camera in the second, m
     float scale = 1.0F;                             ///< of views, by the estimated focal length
     float variance[kMotions] = {};
     Vector3<float> motion = Vector3<float>::Zero();  ///< its correction, in R and t
-    float information[kAll][kAll] = {};
+    float information[kAll * (kAll + 1) / 2] = {};   ///< lower triangle
     float right[kAll] = {};
     float squares = 0.0F;
     float rows = 0.0F;
@@ -92,6 +90,8 @@ class MountEvidence {
   Vector3<float> ray(const Vector2<float>& view) const {
     return {pair_.scale * view.x(), pair_.scale * view.y(), 1.0F};
   }
+  /// Place of element (i, k) of a symmetric matrix in its lower triangle.
+  static int at(int i, int k) { return i >= k ? i * (i + 1) / 2 + k : k * (k + 1) / 2 + i; }
   bool row_of(const TwoViews& views, Row& row) const;
   /// Normal equations of the motion at the offset and motion of now; false where they are singular.
   bool motion_equations(Matrix3<float>& inverse, Vector3<float>& residual) const;

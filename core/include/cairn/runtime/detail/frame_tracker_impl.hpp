@@ -208,7 +208,7 @@ void FrameTracker<Config, Filter>::check_mount(Frame& frame) {
   const OdometryStep step = {odometry_.path(), odometry_.yaw_variance(),
                              tilt.x() > tilt.y() ? tilt.x() : tilt.y(), frame_step_s_};
   const bool paid = frame.work.take(work::kMountCheck);
-  mount_check_.add(step, matches.data(), paid ? matches.size() : 0);
+  mount_check_.add(camera(), step, matches.data(), paid ? matches.size() : 0);
   frame.health.mount_suspicions += mount_offset().any_suspect() ? 1 : 0;
 }
 
