@@ -187,7 +187,8 @@ void print_suspicions(const std::optional<MountOffset>& offset) {
 /// Every part, and whether it is suspect.
 ExitCode check_mount(FrameSource& source, Frame& first, Tracker& tracker) {
   const MountRun run = run_for_mount(source, first, tracker);
-  fmt::print("frames {}   tracked {}\n", run.frames, run.tracked);
+  fmt::print("frames {}   tracked {}   with a suspicion {}\n", run.frames, run.tracked,
+             run.suspect_frames);
   for (const MountOffset::Part part : kMountParts) {
     fmt::print("{:<28}{}\n", describe(run.offset, part),
                run.offset.suspect[part] ? "suspect" : "not contradicted");
@@ -324,6 +325,10 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   write_json(options.out / "summary.json", summary);
   print_summary(summary);
   print_suspicions(record.mount);
+  if (record.mount_suspect_frame && !record.mount->any_suspect()) {
+    fmt::print("calibration was suspect in {} frames, and is not at the end\n",
+               record.health.mount_suspicions);
+  }
   if (options.video && record.overlay.empty()) {
     fmt::print("overlay video not written: OpenCV has no encoder for H.264, MPEG-4 or MJPG\n");
   }

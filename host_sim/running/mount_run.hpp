@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "cairn/tracking/mount_evidence.hpp"
@@ -14,6 +15,7 @@ struct MountRun {
   MountOffset offset;
   int frames = 0;
   int tracked = 0;
+  std::uint32_t suspect_frames = 0;  ///< frames in which a part was suspect, now or for a time
 };
 
 /// Drives `tracker` over `first` and the rest of `source`. Domain: a tracker of Mode::kVehicle.

@@ -42,8 +42,8 @@ void say_suspicions(FaultJudge& judge, const std::optional<MountOffset>& offset)
   }
 }
 
-/// One that can be meant and is wrong. Told and not promised: no residual of a single drive tells a
-/// wrong calibration from a bent path.
+/// One that can be meant and is wrong. Told and not promised: MountCheck sees the angles, a focal
+/// length only as well as odometry knows the yaw, and the camera's height not at all.
 FaultOutcome wrong_setup(const FaultScene& scene, FaultComponent component, const char* what,
                          const Setup& change) {
   FaultJudge judge(component, FaultMode::kWrong, what,

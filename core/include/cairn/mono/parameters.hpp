@@ -95,11 +95,11 @@ struct MonoParameters {
     for (int i = 0; i < 3; ++i) {
       if (!is_finite(lever_m(i))) return Status::kBadConfig;
     }
-    const bool good = fading_factor >= T(1) && adaptive_max_factor >= T(1) &&
-                      adaptive_memory < T(1) && focal_sigma < T(0.5) &&
-                      ransac.max_hypotheses >= 1 && ransac.min_inliers >= 1 &&
-                      ransac.probability > 0.0F && ransac.probability < 1.0F &&
-                      max_conversions_per_update >= 0 && max_triples >= 0 && enough_inlier_share >= T(0);
+    const bool good =
+        fading_factor >= T(1) && adaptive_max_factor >= T(1) && adaptive_memory < T(1) &&
+        focal_sigma < T(0.5) && ransac.max_hypotheses >= 1 && ransac.min_inliers >= 1 &&
+        ransac.probability > 0.0F && ransac.probability < 1.0F && max_conversions_per_update >= 0 &&
+        max_triples >= 0 && enough_inlier_share >= T(0);
     return good ? Status::kOk : Status::kBadConfig;
   }
 };

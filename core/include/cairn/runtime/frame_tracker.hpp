@@ -35,7 +35,8 @@ namespace cairn {
 ///   1. prediction and the plan of the searches: always done;
 ///   2. searches, the most informative landmarks first, as long as their update is within it too;
 ///   3. the update, without the least informative matches;
-///   4. relocalisation, or else seeds, new landmarks, new seeds and reactivation.
+///   4. relocalisation, or else seeds, new landmarks, new seeds and reactivation;
+///   5. the mount check.
 template <class Config, class Filter>
 class FrameTracker {
  public:

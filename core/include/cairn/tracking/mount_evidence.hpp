@@ -22,7 +22,7 @@ struct MountOffset {
   }
 };
 
-/// One point seen in two frames, and the vehicle's motion between them.
+/// One point seen in two frames.
 struct TwoViews {
   Vector2<float> first = Vector2<float>::Zero();   ///< x/z, y/z by the assumed camera
   Vector2<float> second = Vector2<float>::Zero();  ///< same, in the later frame
@@ -78,7 +78,7 @@ class MountEvidence {
     Vector3<float> t = Vector3<float>::Zero();      ///< first camera in the second, m
     float scale = 1.0F;                             ///< of views, by the estimated focal length
     float variance[kMotions] = {};
-    Vector3<float> motion = Vector3<float>::Zero();  ///< its correction, in R and t
+    Vector3<float> motion = Vector3<float>::Zero();  ///< its correction, contained in R
     float information[kAll * (kAll + 1) / 2] = {};   ///< lower triangle
     float right[kAll] = {};
     float squares = 0.0F;

@@ -73,11 +73,6 @@ class OdometryIntegrator {
   /// The pose by odometry alone at the filter's time, from any start: what images corrected is not
   /// in it.
   PlanarPose<float> path() const;
-  /// Whether samples say how the pose came to its present time.
-  bool motion_known() const {
-    return has_motion_ &&
-           seconds_since_sample(time_us_) <= static_cast<float>(max_step_us_) * 1e-6F;
-  }
   /// Whether the motion at the pose's time follows from samples.
   bool known() const { return has_motion_ && time_us_ - motion_.t_us <= max_step_us_; }
   /// Whether the newest sample is exactly no motion.

@@ -202,7 +202,7 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
 /// All matches count, not the filter's inliers alone: it takes those that fit the assumed mount.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::check_mount(Frame& frame) {
-  if (!odometry_.motion_known()) return;
+  if (!odometry_.known()) return;
   const typename Measurement::Matches& matches = measurement_.matches();
   const Vector2<float> tilt = estimate_.tilt_noise(frame_step_s_);
   const OdometryStep step = {odometry_.path(), odometry_.yaw_variance(),
