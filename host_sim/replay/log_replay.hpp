@@ -6,10 +6,9 @@
 #include <vector>
 
 #include "cairn/base/config.hpp"
-#include "cairn/planar/ekf_slam.hpp"
-#include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 #include "cairn/runtime/replay.hpp"
+
+#include "host_sim/replay/core_trackers.hpp"
 
 /// Replay of an input log on the tracker that its header names. Core and standard library alone:
 /// cairn_count_frames runs it under valgrind, which does not know every instruction that OpenCV and

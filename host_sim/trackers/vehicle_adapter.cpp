@@ -2,14 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "cairn/planar/ekf_slam.hpp"
-#include "cairn/planar/group_iekf_slam.hpp"
-#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 #include "cairn/runtime/replay.hpp"
-#include "cairn/runtime/vehicle_tracker.hpp"
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/replay/core_trackers.hpp"
 #include "host_sim/replay/scene_objects.hpp"
 #include "host_sim/trackers/host_ticks.hpp"
 #include "host_sim/trackers/input_log_file.hpp"

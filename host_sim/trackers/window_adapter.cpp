@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "cairn/runtime/window_augmentation.hpp"
-#include "cairn/runtime/window_tracker.hpp"
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/replay/core_trackers.hpp"
 #include "host_sim/replay/scene_objects.hpp"
 #include "host_sim/trackers/host_ticks.hpp"
 #include "host_sim/trackers/state_hash.hpp"

@@ -4,11 +4,11 @@
 #include <memory>
 
 #include "cairn/base/config.hpp"
-#include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/runtime/replay.hpp"
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/experiments/faults/fault_scene.hpp"
+#include "host_sim/replay/core_trackers.hpp"
 #include "host_sim/trackers/input_log_file.hpp"
 #include "host_sim/trackers/state_hash.hpp"
 

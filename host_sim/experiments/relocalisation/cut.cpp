@@ -4,11 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "cairn/runtime/handheld_tracker.hpp"
-
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/evaluation/trajectory_evaluation.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/replay/core_trackers.hpp"
 
 namespace cairn::host {
 namespace {

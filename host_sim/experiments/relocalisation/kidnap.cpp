@@ -5,11 +5,10 @@
 
 #include <Eigen/LU>
 
-#include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/runtime/replay.hpp"
-#include "cairn/runtime/vehicle_tracker.hpp"
 
 #include "host_sim/base/core_conversions.hpp"
+#include "host_sim/replay/core_trackers.hpp"
 #include "host_sim/sources/hall_source.hpp"
 #include "host_sim/trackers/input_log_file.hpp"
 
