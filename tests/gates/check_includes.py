@@ -54,9 +54,9 @@ HOST_BELOW = {
     "recorded": "base options io world trackers evaluation reports",
     "experiments/consistency": "base io world evaluation reports",
     "experiments/turntable": "base io world reports",
-    "experiments/relocalisation": "base io sources trackers evaluation",
+    "experiments/relocalisation": "base io replay sources trackers evaluation",
     "experiments/robustness": "base io sources trackers evaluation running",
-    "experiments/faults": "base io world sources trackers evaluation running reports",
+    "experiments/faults": "base io replay world sources trackers evaluation running reports",
     "experiments/laps": "base io sources trackers",
     "experiments/vision": "io",
     "commands": "base options io world sources calibration trackers evaluation running reports timing recorded "
