@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/commands/source_of_path.hpp"
 #include "host_sim/commands/suggestion.hpp"
 #include "host_sim/commands/video_run.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -59,6 +60,20 @@ void check_options(const RunKind& kind, const Names& given) {
   }
 }
 
+ExitCode run_kind(const RunKind& kind, const RunOptions& options) {
+  const std::size_t colon = options.source.find(':');
+  const bool has_rest = colon != std::string::npos;
+  if (has_rest == kind.argument.empty()) {
+    throw UsageError(fmt::format("source '{}': expected {}{}", options.source, kind.name,
+                                 kind.argument.empty() ? "" : ":" + kind.argument));
+  }
+  if ((options.timing.has_value() || options.use_source) && !kind.gives_pictures) {
+    throw UsageError(fmt::format("source '{}' gives no pictures", options.source));
+  }
+  check_options(kind, options.given);
+  return kind.run(options, has_rest ? options.source.substr(colon + 1) : std::string());
+}
+
 }  // namespace
 
 const std::vector<RunKind>& run_kinds() {
@@ -96,17 +111,13 @@ const std::vector<RunKind>& run_kinds() {
 ExitCode dispatch_run(const RunOptions& options) {
   const std::string name = options.source.substr(0, options.source.find(':'));
   for (const RunKind& kind : run_kinds()) {
-    if (name != kind.name) continue;
-    const bool has_rest = options.source.find(':') != std::string::npos;
-    if (has_rest == kind.argument.empty()) {
-      throw UsageError(fmt::format("source '{}': expected {}{}", options.source, kind.name,
-                                   kind.argument.empty() ? "" : ":" + kind.argument));
-    }
-    if ((options.timing.has_value() || options.use_source) && !kind.gives_pictures) {
-      throw UsageError(fmt::format("source '{}' gives no pictures", options.source));
-    }
-    check_options(kind, options.given);
-    return kind.run(options, has_rest ? options.source.substr(name.size() + 1) : std::string());
+    if (name == kind.name) return run_kind(kind, options);
+  }
+  RunOptions found = options;
+  found.source = source_of_path(options.source);
+  if (!found.source.empty()) {
+    fmt::print("{}: taken as {}\n", options.source, found.source);
+    return dispatch_run(found);
   }
   std::string known;
   std::vector<std::string> names;
@@ -115,8 +126,8 @@ ExitCode dispatch_run(const RunOptions& options) {
     known += fmt::format("{}{}{}{}", known.empty() ? "" : ", ", kind.name,
                          kind.argument.empty() ? "" : ":", kind.argument);
   }
-  throw UsageError(fmt::format("source '{}': expected one of {}{}", options.source, known,
-                               did_you_mean(name, names)));
+  throw UsageError(fmt::format("source '{}': expected a file, a folder, or one of {}{}",
+                               options.source, known, did_you_mean(name, names)));
 }
 
 }  // namespace cairn::host

@@ -26,6 +26,16 @@ done
 expect 0 "frames 2" run video:large --camera large.yaml --scale 0.25 --no-video --out small-out
 has small-out/manifest.json "scaled from 1080x1920 to 270x480"
 
+# a path without the kind of source
+expect 0 "large: taken as video:large|frames 2" \
+  run large --camera large.yaml --scale 0.25 --no-video --out path-out
+mkdir -p "$work/sets"/{euroc/mav0,kitti/image_0,kitti-raw/oxts,tum,scenes,board}
+touch "$work/sets/tum/rgb.txt" "$work/sets/scenes/frame-000000.pose.txt" "$work/sets/board/cMo_grid.csv"
+for set in euroc=euroc kitti=kitti kitti-raw=kitti tum=tum-rgbd scenes=seven-scenes board=tag-board; do
+  folder=sets/${set%=*}
+  expect 3 "$folder: taken as ${set#*=}:$folder" run "$folder" --out set-out
+done
+
 # names in upper case that are times, and odometry from a spreadsheet on their clock
 mkdir -p "$work/DCIM"
 camera "$work/camera.yaml" 320 240
