@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Checks the format of every source and runs clang-tidy over the core: scripts/lint.sh [--fix-format]
+# Checks the format of every source and runs clang-tidy over all that the host builds: scripts/lint.sh [--fix-format]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,5 +11,4 @@ else
 fi
 
 [ -f build/host/compile_commands.json ] || cmake --preset host
-mapfile -t core < <(git ls-files 'core/src/*.cpp')
-printf '%s\n' "${core[@]}" | xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p build/host
+run-clang-tidy -quiet -p build/host -j "$(nproc)" "^$PWD/(core|examples|host_sim|port|tests|web)/"
