@@ -14,6 +14,6 @@ for board in "${boards[@]}"; do
   cmake --preset "$board" "${once[@]}"
   cmake --build --preset "$board"
 done
-cmake --preset host -DCAIRN_FIRMWARE_BOARDS="$(IFS=';'; echo "${boards[*]}")"
+cmake --preset host -DCAIRN_UNITY_BUILD=ON -DCAIRN_FIRMWARE_BOARDS="$(IFS=';'; echo "${boards[*]}")"
 cmake --build --preset host
 ctest --preset host --parallel "$(nproc)"
