@@ -1,16 +1,24 @@
 #!/usr/bin/env bash
-# Installs what building, testing and running need on Debian 12, and packages named as arguments.
-# Does nothing when all is there.
+# Installs what is missing on Debian 12 and 13 and Ubuntu 24.04. Does nothing when all is there.
+# scripts/setup.sh [--demo] [PACKAGE...]
+#   --demo   only what building and running cairn_sim need; without it also what the tests of host and boards,
+#            the linters and the experiments' pictures need
 set -euo pipefail
 
 packages=(
-  build-essential cmake ninja-build git clang clang-format clang-tidy
-  libeigen3-dev libopencv-dev libgtest-dev libbenchmark-dev librapidcheck-dev
-  libcli11-dev nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libboost-dev
-  python3 python3-matplotlib valgrind
-  gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm llvm
-  "$@"
+  build-essential cmake ninja-build
+  libeigen3-dev libopencv-dev libcli11-dev nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libboost-dev
+  python3
 )
+if [ "${1:-}" = --demo ]; then
+  shift
+else
+  packages+=(
+    git clang clang-format clang-tidy libgtest-dev libbenchmark-dev librapidcheck-dev python3-matplotlib valgrind
+    gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm llvm
+  )
+fi
+packages+=("$@")
 
 missing=()
 for package in "${packages[@]}"; do

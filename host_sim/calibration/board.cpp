@@ -5,11 +5,16 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/aruco.hpp>
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
+#if CV_VERSION_MAJOR > 4 || (CV_VERSION_MAJOR == 4 && CV_VERSION_MINOR >= 7)
+#include <opencv2/objdetect/aruco_dictionary.hpp>
+#else
+#include <opencv2/aruco.hpp>
+#endif
 
+#include "host_sim/calibration/charuco.hpp"
 #include "host_sim/io/input_error.hpp"
 
 namespace cairn::host {
@@ -48,18 +53,16 @@ const std::vector<std::pair<std::string, int>>& dictionaries() {
   return known;
 }
 
-cv::Ptr<cv::aruco::Dictionary> dictionary_named(const std::string& name) {
+int dictionary_named(const std::string& name) {
   for (const auto& [known, id] : dictionaries()) {
-    if (known == name) return cv::aruco::getPredefinedDictionary(id);
+    if (known == name) return id;
   }
   throw UsageError(fmt::format("--dictionary '{}': expected one of {}", name,
                                fmt::join(board_dictionaries(), ", ")));
 }
 
-cv::Ptr<cv::aruco::CharucoBoard> charuco_board(const BoardOptions& options) {
-  return cv::aruco::CharucoBoard::create(options.squares.width, options.squares.height, 1.0F,
-                                         static_cast<float>(options.marker_ratio),
-                                         dictionary_named(options.dictionary));
+CharucoPattern charuco_pattern(const BoardOptions& options) {
+  return {options.squares, options.marker_ratio, dictionary_named(options.dictionary)};
 }
 
 /// Whether the corners span a plane: the narrow side of their ellipse.
@@ -95,7 +98,7 @@ BoardDetector::BoardDetector(const BoardOptions& options)
                     options.marker_ratio));
   }
   const int needed = options.squares.area() / 2;
-  const int there = dictionary_named(options.dictionary)->bytesList.rows;
+  const int there = CharucoPattern::markers_of(dictionary_named(options.dictionary));
   if (needed > there) {
     throw UsageError(fmt::format(
         "--dictionary {}: expected the {} markers that a board of {}x{} "
@@ -136,14 +139,9 @@ bool BoardDetector::find_chessboard(const cv::Mat& grey, BoardView& view) const 
 }
 
 bool BoardDetector::find_charuco(const cv::Mat& grey, BoardView& view) const {
-  const cv::Ptr<cv::aruco::CharucoBoard> board = charuco_board(options_);
-  const cv::Ptr<cv::aruco::DetectorParameters> parameters = cv::aruco::DetectorParameters::create();
-  std::vector<std::vector<cv::Point2f>> markers;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(grey, board->dictionary, markers, ids, parameters);
-  if (ids.empty()) return false;
   std::vector<int> corners;
-  cv::aruco::interpolateCornersCharuco(markers, ids, grey, board, view.pixels, corners);
+  charuco_pattern(options_).find(grey, view.pixels, corners);
+  if (corners.empty()) return false;
   for (const int corner : corners) {
     view.points.emplace_back(static_cast<float>(corner % inner_.width),
                              static_cast<float>(corner / inner_.width), 0.0F);
@@ -157,7 +155,7 @@ cv::Mat BoardDetector::picture(int square_px) const {
   const cv::Size size(options_.squares.width * square_px, options_.squares.height * square_px);
   cv::Mat board(size, CV_8UC1, cv::Scalar(255));
   if (options_.charuco) {
-    charuco_board(options_)->draw(size, board, 0, 1);
+    board = charuco_pattern(options_).draw(size);
   } else {
     for (int y = 0; y < options_.squares.height; ++y) {
       for (int x = y % 2; x < options_.squares.width; x += 2) {

@@ -4,6 +4,7 @@
 
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
+#include "host_sim/commands/source_options.hpp"
 #include "host_sim/options/run_options.hpp"
 
 namespace cairn::host {
@@ -14,20 +15,9 @@ void register_check_mount_command(CommandContext& context) {
   const auto options = std::make_shared<RunOptions>();
   options->check_mount = true;
   command->add_option("SOURCE", options->source, "As for `run`, in vehicle mode")->required();
-  command->add_option("--camera", options->camera, "Camera file of a video source");
-  command->add_option("--odometry", options->odometry, "Odometry of a video source (CSV)");
-  command->add_option("--times", options->times, "Frame times of a video source (CSV)");
-  command->add_option("--first-frame", options->first_frame, "Number of the first frame to use");
-  command->add_option("--max-frames", options->max_frames, "Stop after this many frames")
-      ->check(above_zero());
-  command
-      ->add_option("--odometry-noise-speed", options->speed_sigma_mps,
-                   "Standard deviation of the speed in a video's odometry, m/s a sample")
-      ->check(above_zero());
-  command
-      ->add_option("--odometry-noise-yaw-rate", options->yaw_rate_sigma_radps,
-                   "Standard deviation of the yaw rate in a video's odometry, rad/s a sample")
-      ->check(above_zero());
+  add_range_options(*command, *options);
+  add_picture_options(*command, *options);
+  add_odometry_options(*command, *options);
   command
       ->add_option("--suspension", options->suspension,
                    "How the vehicle's body pitches and rolls; by default as the source says")

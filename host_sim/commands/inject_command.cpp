@@ -10,6 +10,7 @@
 
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
+#include "host_sim/commands/source_options.hpp"
 #include "host_sim/experiments/faults/fault_scene.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/options/run_options.hpp"
@@ -169,12 +170,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
       ->check(seed_number())
       ->capture_default_str();
   command.add_option("--first-frame", arguments.run.first_frame, "Number of the first frame");
-  command
-      .add_option("--scale", arguments.run.scale, "Scale pictures and calibration by this factor")
-      ->check(CLI::Range(0.01, 1.0));
-  command.add_option("--camera", arguments.run.camera, "Camera file of a video source");
-  command.add_option("--odometry", arguments.run.odometry, "Odometry of a video source (CSV)");
-  command.add_option("--times", arguments.run.times, "Frame times of a video source (CSV)");
+  add_picture_options(command, arguments.run);
+  add_odometry_options(command, arguments.run);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
+#include "host_sim/commands/source_options.hpp"
 #include "host_sim/experiments/robustness/robustness_files.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/options/run_options.hpp"
@@ -123,15 +124,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--threads", arguments.settings.threads, "Threads, 0: all")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command.add_option("--first-frame", arguments.run.first_frame, "First frame of the first window");
-  command.add_option("--max-frames", arguments.run.max_frames, "Use so many frames of a source")
-      ->check(above_zero());
-  command
-      .add_option("--scale", arguments.run.scale, "Scale pictures and calibration by this factor")
-      ->check(CLI::Range(0.01, 1.0));
-  command.add_option("--camera", arguments.run.camera, "Camera file of a video source");
-  command.add_option("--times", arguments.run.times, "Frame times of a video source (CSV)");
-  command.add_option("--truth", arguments.run.truth, "True camera poses of a video source (TUM)");
+  add_range_options(command, arguments.run);
+  add_picture_options(command, arguments.run);
 }
 
 }  // namespace

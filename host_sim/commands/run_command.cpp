@@ -7,9 +7,11 @@
 
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
+#include "host_sim/commands/source_options.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/options/run_options.hpp"
 #include "host_sim/reports/run_folder.hpp"
+#include "host_sim/running/live_view.hpp"
 
 namespace cairn::host {
 namespace {
@@ -49,9 +51,7 @@ void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("--seed", options.seed, "Seed of everything random")
       ->check(seed_number())
       ->capture_default_str();
-  command.add_option("--first-frame", options.first_frame, "Number of the first frame to use");
-  command.add_option("--max-frames", options.max_frames, "Stop after this many frames")
-      ->check(above_zero());
+  add_range_options(command, options);
   command
       .add_option("--work-limit", options.work_limit,
                   "Work of a frame, in units of 1000 instructions on a Cortex-M7")
@@ -61,17 +61,10 @@ void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("--overlay", options.overlay, "How virtual objects are drawn into the video")
       ->check(CLI::IsMember({"wireframe", "shaded"}));
   command.add_flag("!--no-video", options.video, "Do not write the overlay video");
+  command.add_flag("--view", options.view, "Show the run in a window; keys: space, s, q");
   command.add_option("--odometry-noise", options.odometry_noise, "Noise of the hall's odometry")
       ->check(CLI::IsMember({"s1", "base"}))
       ->capture_default_str();
-  command
-      .add_option("--odometry-noise-speed", options.speed_sigma_mps,
-                  "Standard deviation of the speed in a video's odometry, m/s a sample")
-      ->check(above_zero());
-  command
-      .add_option("--odometry-noise-yaw-rate", options.yaw_rate_sigma_radps,
-                  "Standard deviation of the yaw rate in a video's odometry, rad/s a sample")
-      ->check(above_zero());
   command
       .add_option("--suspension", options.suspension,
                   "Vehicle: how its body pitches and rolls; by default as the source says")
@@ -105,12 +98,6 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->capture_default_str();
   add_handheld_options(command, options.handheld);
   command
-      .add_option("--scale", options.scale,
-                  "Scale pictures and calibration by this factor; by default as far as needed")
-      ->check(CLI::Range(0.01, 1.0));
-  command.add_option("--crop", options.crop,
-                     "Use a part of the pictures, WIDTHxHEIGHT[+LEFT+TOP]; by default its middle");
-  command
       .add_option_function<std::string>(
           "--playback",
           [&options](const std::string& value) { options.playback.backward = value == "backward"; },
@@ -119,15 +106,8 @@ void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("--every", options.playback.every, "Play each Nth frame")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--camera", options.camera, "Camera file of a video source");
-  command
-      .add_option(
-          "--hfov", options.hfov_deg,
-          "Guess in place of a camera file: the picture's horizontal field of view, degrees")
-      ->check(CLI::Range(10.0, 150.0));
-  command.add_option("--odometry", options.odometry, "Odometry of a video source (CSV)");
-  command.add_option("--times", options.times, "Frame times of a video source (CSV)");
-  command.add_option("--truth", options.truth, "True camera poses of a video source (TUM)");
+  add_picture_options(command, options);
+  add_odometry_options(command, options);
 }
 
 void check_fading(const std::string& fading) {
@@ -153,6 +133,7 @@ void register_run_command(CommandContext& context) {
     if (!options->record.empty() && !options->handheld.is_default()) {
       throw UsageError("--record: an input log replays the tracker's own settings");
     }
+    if (options->view) require_viewer();
     if (!options->force) refuse_full_folder(options->out);
     options->command_line = context.command_line;
     options->given = given_options(*command);

@@ -23,11 +23,20 @@ Names joined(const Names& a, const Names& b) {
   return all;
 }
 
+Names without(Names names, const Names& others) {
+  const auto other = [&](const std::string& name) {
+    return std::find(others.begin(), others.end(), name) != others.end();
+  };
+  names.erase(std::remove_if(names.begin(), names.end(), other), names.end());
+  return names;
+}
+
 const Names& picture_options() {
   static const Names names = {"--first-frame",
                               "--work-limit",
                               "--record",
                               "--overlay",
+                              "--view",
                               "--scale",
                               "--crop",
                               "--playback",
@@ -70,6 +79,10 @@ ExitCode run_kind(const RunKind& kind, const RunOptions& options) {
   if ((options.timing.has_value() || options.use_source) && !kind.gives_pictures) {
     throw UsageError(fmt::format("source '{}' gives no pictures", options.source));
   }
+  if (kind.name == "camera" && !options.max_frames &&
+      (options.timing.has_value() || options.use_source)) {
+    throw UsageError("source camera: expected --max-frames: a camera has no end");
+  }
   check_options(kind, options.given);
   return kind.run(options, has_rest ? options.source.substr(colon + 1) : std::string());
 }
@@ -82,6 +95,8 @@ const std::vector<RunKind>& run_kinds() {
   static const Names video =
       joined(picture_options(), {"--camera", "--hfov", "--odometry", "--times", "--truth",
                                  "--odometry-noise-speed", "--odometry-noise-yaw-rate"});
+  static const Names camera =
+      joined(without(picture_options(), {"--first-frame", "--playback"}), {"--camera", "--hfov"});
   static const Names landmarks = {"--budget-ms", "--start-heading-variance",
                                   "--start-position-variance"};
   static const std::vector<RunKind> kinds = {
@@ -96,6 +111,7 @@ const std::vector<RunKind>& run_kinds() {
       {"euroc", "DIR", run_euroc, joined(picture_options(), {"--camera"})},
       {"tum-vi", "DIR", run_euroc, joined(picture_options(), {"--camera"})},
       {"video", "FILE_OR_FOLDER", run_video, video},
+      {"camera", "DEVICE", run_camera, camera},
       {"lost-in-the-woods", "DIR", run_lost_in_the_woods, joined(landmarks, {"--profile"}), false},
       {"mrclam", "DIR:ROBOT", run_mrclam, joined(landmarks, {"--profile"}), false},
       {"victoria-park", "DIR", run_victoria_park, landmarks, false},

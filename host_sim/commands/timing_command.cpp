@@ -8,6 +8,7 @@
 
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/commands/run_kinds.hpp"
+#include "host_sim/commands/source_options.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/options/run_options.hpp"
 #include "host_sim/reports/run_folder.hpp"
@@ -84,16 +85,11 @@ void register_timing_command(CommandContext& context) {
       ->check(CLI::IsMember({"vehicle", "handheld"}));
   command->add_option("--filter", run_options.filter, "Filter")
       ->check(CLI::IsMember({"group-iekf", "lifted-iekf", "ekf", "mono", "window"}));
-  command->add_option("--first-frame", run_options.first_frame, "Number of the first frame to use");
-  command->add_option("--max-frames", run_options.max_frames, "Stop after this many frames")
-      ->check(above_zero());
+  add_range_options(*command, run_options);
   command->add_option("--seed", run_options.seed, "Seed of everything random")
       ->check(seed_number());
-  command->add_option("--camera", run_options.camera, "Camera file of a video source");
-  command->add_option("--odometry", run_options.odometry, "Odometry of a video source (CSV)");
-  command->add_option("--times", run_options.times, "Frame times of a video source (CSV)");
-  command->add_option("--scale", run_options.scale, "Scale pictures and calibration by this factor")
-      ->check(CLI::Range(0.01, 1.0));
+  add_picture_options(*command, run_options);
+  add_odometry_options(*command, run_options);
   command->add_option("--budget-ms", run_options.budget_ms, "Time budget of a frame, ms")
       ->check(above_zero())
       ->capture_default_str();

@@ -47,6 +47,13 @@ LensCheck lens_check(const RunOptions& options) {
   return options.crop.empty() ? LensCheck::kWholePicture : LensCheck::kLater;
 }
 
+/// Whether pictures are drawn of the frames. A backward run keeps all its frames, so without
+/// colour.
+bool draws(const RunOptions& options) {
+  const bool tracked = !options.timing && !options.check_mount && !options.use_source;
+  return tracked && !options.playback.backward;
+}
+
 Mode mode_of(const RunOptions& options, const SourceInfo& source) {
   if (options.mode.empty()) return source.odometry.has_value() ? Mode::kVehicle : Mode::kHandheld;
   const Mode mode = options.mode == "vehicle" ? Mode::kVehicle : Mode::kHandheld;
@@ -301,6 +308,8 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   runner.out = options.out;
   runner.video = options.video;
   runner.shaded = options.overlay == "shaded";
+  runner.view = options.view;
+  runner.budget_ms = options.budget_ms;
   std::optional<RecordingSource> recording;
   if (!options.record.empty()) {
     recording.emplace(source, options.record,
@@ -322,6 +331,8 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   write_frames(options.out, record, registration);
   write_trajectories(options.out, record, tracker_settings.mode);
   write_landmarks(options.out, record);
+  write_uncertainty(options.out, record);
+  write_health(options.out, record);
   write_json(options.out / "summary.json", summary);
   print_summary(summary);
   print_suspicions(record.mount);
@@ -338,6 +349,10 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
     fmt::print("report: {}\n", (options.out / "report.html").string());
   }
   say_warnings(source.info(), warnings_said);
+  if (record.ended_by_viewer) {
+    fmt::print("ended in the window after {} frames; the results are those of these\n",
+               record.frames.size());
+  }
   if (record.interrupted_by != 0) return interrupted_code(record);
   return source.info().damaged ? ExitCode::kInputInvalid : ExitCode::kOk;
 }
@@ -398,15 +413,35 @@ ExitCode run_euroc(const RunOptions& options, const std::string& folder) {
       make_euroc_source(folder, options.camera, range_of(options), lens_check(options)), options);
 }
 
+ExitCode run_camera(const RunOptions& options, const std::string& device) {
+  VideoOptions camera;
+  camera.media = device;
+  camera.live = true;
+  camera.camera = options.camera;
+  camera.range = range_of(options);
+  camera.hfov_deg = options.hfov_deg;
+  camera.lens = lens_check(options);
+  camera.colour = draws(options);
+  return run_source(make_video_source(camera), options);
+}
+
 ExitCode run_video(const RunOptions& options, const std::string& media) {
   if (options.odometry.empty() && (options.speed_sigma_mps || options.yaw_rate_sigma_radps)) {
     throw UsageError("--odometry-noise-speed, --odometry-noise-yaw-rate: only with --odometry");
   }
-  return run_source(
-      make_video_source({media, options.camera, options.odometry, options.times, options.truth,
-                         range_of(options), options.speed_sigma_mps, options.yaw_rate_sigma_radps,
-                         options.hfov_deg, lens_check(options)}),
-      options);
+  VideoOptions video;
+  video.media = media;
+  video.camera = options.camera;
+  video.odometry = options.odometry;
+  video.times = options.times;
+  video.truth = options.truth;
+  video.range = range_of(options);
+  video.colour = draws(options);
+  video.speed_sigma_mps = options.speed_sigma_mps;
+  video.yaw_rate_sigma_radps = options.yaw_rate_sigma_radps;
+  video.hfov_deg = options.hfov_deg;
+  video.lens = lens_check(options);
+  return run_source(make_video_source(video), options);
 }
 
 }  // namespace cairn::host

@@ -20,5 +20,7 @@ ExitCode run_kitti(const RunOptions& options, const std::string& folder);
 ExitCode run_tum_rgbd(const RunOptions& options, const std::string& folder);
 ExitCode run_euroc(const RunOptions& options, const std::string& folder);
 ExitCode run_video(const RunOptions& options, const std::string& media);
+/// `device`: a number, a device's file or an address.
+ExitCode run_camera(const RunOptions& options, const std::string& device);
 
 }  // namespace cairn::host

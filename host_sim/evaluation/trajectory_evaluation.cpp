@@ -94,6 +94,7 @@ std::optional<TrajectoryEvaluation> evaluate_trajectory(const std::vector<Rigid<
   TrajectoryEvaluation evaluation;
   evaluation.alignment = alignment;
   evaluation.scale = s.scale;
+  evaluation.T_truth_estimate = {rotation, s.translation};
   double position_sum = 0.0, rotation_sum = 0.0, heading_sum = 0.0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     Rigid<double> aligned;
@@ -119,7 +120,8 @@ std::optional<TrajectoryEvaluation> evaluate_trajectory(const std::vector<Rigid<
 nlohmann::json to_json(const std::optional<TrajectoryEvaluation>& evaluation, bool has_heading) {
   nlohmann::json json = {{"aligned", nullptr},          {"ate_rmse_m", nullptr},
                          {"heading_rmse_deg", nullptr}, {"rotation_rmse_deg", nullptr},
-                         {"final_drift_m", nullptr},    {"scale", nullptr}};
+                         {"final_drift_m", nullptr},    {"scale", nullptr},
+                         {"similarity", nullptr}};
   if (!evaluation.has_value()) return json;
   json["aligned"] = to_string(evaluation->alignment);
   json["ate_rmse_m"] = evaluation->ate_rmse_m;
@@ -127,6 +129,11 @@ nlohmann::json to_json(const std::optional<TrajectoryEvaluation>& evaluation, bo
   json["rotation_rmse_deg"] = evaluation->rotation_rmse_deg;
   json["final_drift_m"] = evaluation->final_drift_m;
   json["scale"] = evaluation->scale;
+  const Rigid<double>& T = evaluation->T_truth_estimate;
+  json["similarity"] = {
+      {"scale", evaluation->scale},
+      {"rotation", {T.rotation.w(), T.rotation.x(), T.rotation.y(), T.rotation.z()}},
+      {"translation", {T.translation.x(), T.translation.y(), T.translation.z()}}};
   return json;
 }
 

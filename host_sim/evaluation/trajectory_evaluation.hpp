@@ -22,6 +22,8 @@ const char* to_string(Alignment alignment);
 struct TrajectoryEvaluation {
   Alignment alignment = Alignment::kStart;
   double scale = 1.0;  ///< true length of one unit of the estimate
+  /// With `scale` the alignment: p_truth = rotation (scale p_estimate) + translation.
+  Rigid<double> T_truth_estimate;
   double ate_rmse_m = 0.0;
   double rotation_rmse_deg = 0.0;  ///< after the rotation that is best for the rotations
   double heading_rmse_deg = 0.0;   ///< yaw about z, aligned as the positions

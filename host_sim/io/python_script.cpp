@@ -19,10 +19,11 @@ constexpr const char* kRunner =
 
 std::optional<std::string> draw_with_python(const std::string& product, const PythonScript& script,
                                             const std::filesystem::path& folder) {
+  std::string text;
+  for (std::size_t i = 0; i < script.count; ++i) text += script.texts[i];
   bool found = false;
   for (const char* python : {"python3", "/usr/bin/python3"}) {
-    const ChildEnd end =
-        run_child({python, "-c", kRunner, script.name, folder.string()}, script.text);
+    const ChildEnd end = run_child({python, "-c", kRunner, script.name, folder.string()}, text);
     if (end.succeeded()) return std::nullopt;
     if (end.not_found()) continue;
     if (end.code != kNoMatplotlib) {

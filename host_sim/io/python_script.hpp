@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -11,7 +12,8 @@ namespace cairn::host {
 /// with code 4 where there is no matplotlib.
 struct PythonScript {
   const char* name;
-  const char* text;
+  const char* const* texts;  ///< its parts and itself, one after the other
+  std::size_t count;
 };
 
 /// Lets `script` make `product` from the files in `folder`, with the python3 in PATH or, where that

@@ -39,6 +39,7 @@ struct RunOptions {
   std::optional<int> first_frame;
   std::optional<int> max_frames;
   bool video = true;
+  bool view = false;                  ///< show the run in a window
   std::string overlay = "wireframe";  ///< or shaded
   std::filesystem::path record;       ///< input log to write; empty: none
   std::string odometry_noise = "s1";

@@ -3,35 +3,23 @@ import base64
 import contextlib
 import csv
 import html
-import io
 import json
+import math
 import os
 import sys
 
-try:
-    import matplotlib
-except ImportError:
-    sys.exit(4)
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-
-INK, MUTED, GRID = "#1f2933", "#7b8794", "#e4e7eb"
-BLUE, ORANGE, GREEN, RED = "#2166ac", "#e08214", "#1b7837", "#b2182b"
+PAGE = {"css": "page/report.css", "charts": "page/charts.js", "page": "page/report.js",
+        "uplot_css": "../third_party/uPlot/uPlot.min.css",
+        "uplot": "../third_party/uPlot/uPlot.iife.min.js", "uplot_licence": "../third_party/uPlot/LICENSE"}
 STAGES = [
-    ("preprocess", "image preprocessing", 1.20, 1.20, "#a6bddb"),
-    ("pose_prediction", "camera pose estimation", 23.05, 19.26, "#3690c0"),
-    ("features", "feature extraction and matching", 6.40, 6.40, "#1b7837"),
-    ("pose_update", "camera pose calculation", 9.70, 9.70, "#e08214"),
-    ("render", "rendering and registration", 1.22, 1.22, "#8073ac"),
+    ("preprocess", "image preprocessing", 1.20, 1.20),
+    ("pose_prediction", "camera pose estimation", 23.05, 19.26),
+    ("features", "feature extraction and matching", 6.40, 6.40),
+    ("pose_update", "camera pose calculation", 9.70, 9.70),
+    ("render", "rendering and registration", 1.22, 1.22),
 ]
-
-plt.rcParams.update({
-    "font.family": "sans-serif", "font.size": 9, "axes.edgecolor": MUTED, "axes.labelcolor": INK,
-    "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": GRID,
-    "text.color": INK, "xtick.color": MUTED, "ytick.color": MUTED, "legend.frameon": False,
-    "svg.fonttype": "none", "svg.hashsalt": "cairn", "figure.constrained_layout.use": True,
-})
+MOST_INLINE_VIDEO = 16 * 1024 * 1024  # larger ones stay beside the page
+MOST_ELLIPSES = 60
 
 
 @contextlib.contextmanager
@@ -48,144 +36,175 @@ def whole_file(path):
         raise
 
 
+def page_part(name):
+    """A file of the page: carried along by cairn_sim (PARTS), else beside this script."""
+    carried = globals().get("PARTS")
+    if carried is not None:
+        return carried[os.path.basename(PAGE[name])]
+    here = os.path.dirname(os.path.abspath(__file__))
+    with open(os.path.join(here, PAGE[name]), encoding="utf-8") as file:
+        return file.read()
+
+
 def read_csv(path):
+    """Columns by name; {} where there are no rows."""
+    if not os.path.exists(path):
+        return {}
     with open(path, newline="") as file:
-        rows = list(csv.DictReader(file))
-    return {name: [row[name] for row in rows] for name in (rows[0] if rows else {})}
+        rows = csv.reader(file)
+        names = next(rows, [])
+        columns = list(zip(*rows))
+    return dict(zip(names, columns)) if columns else {}
 
 
-def numbers(column):
-    return np.array([float(v) if v else np.nan for v in column])
+def numbers(column, digits=4):
+    return [rounded(float(v), digits) if v else None for v in column]
+
+
+def rounded(value, digits=4):
+    """So many significant digits: the page need not carry more than a screen shows."""
+    if not math.isfinite(value):
+        return None
+    value = float(f"{value:.{digits}g}")
+    return int(value) if value == int(value) and abs(value) < 1e15 else value
 
 
 def read_tum(path):
+    """{time in us: (x, y, z)} in order."""
     if not os.path.exists(path):
-        return None
-    values = np.loadtxt(path, ndmin=2)
-    return values if values.size else None
+        return {}
+    poses = {}
+    with open(path) as file:
+        for line in file:
+            t, *pose = map(float, line.split())
+            poses[round(1e6 * t)] = tuple(pose[:3])
+    return poses
 
 
-def svg(figure):
-    buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None})
-    plt.close(figure)
-    text = buffer.getvalue()
-    return text[text.index("<svg"):]
+class Similarity:
+    """Lays the estimate over the truth, as summary.json says; does nothing where it does not."""
+
+    def __init__(self, trajectory):
+        moved = trajectory.get("similarity") or {}
+        self.scale = moved.get("scale", 1.0)
+        self.shift = moved.get("translation", [0.0, 0.0, 0.0])
+        w, x, y, z = moved.get("rotation", [1.0, 0.0, 0.0, 0.0])
+        self.rotation = [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]]
+
+    def point(self, p):
+        return [self.scale * sum(r * v for r, v in zip(row, p)) + s for row, s in zip(self.rotation, self.shift)]
+
+    def covariance(self, c):
+        half = [[sum(row[k] * c[k][j] for k in range(3)) for j in range(3)] for row in self.rotation]
+        return [[self.scale**2 * sum(half[i][k] * self.rotation[j][k] for k in range(3)) for j in range(3)]
+                for i in range(3)]
 
 
-def chart(draw, wide, narrow, *data):
-    """The figure of draw(axes, *data) twice: for a page and for a phone. None where it draws nothing."""
-    parts = []
-    for name, size in (("wide", wide), ("narrow", narrow)):
-        plt.rcParams["svg.hashsalt"] = "cairn" + name  # ids in one page differ
-        figure, axes = plt.subplots(figsize=size)
-        if draw(axes, *data) is False:
-            plt.close(figure)
-            return None
-        parts.append(f"<div class='chart {name}'>{svg(figure)}</div>")
-    return "".join(parts)
+def covariances(columns):
+    """Of the position, by time in us; frames without one are left out."""
+    result = {}
+    names = [f"position_{axes}" for axes in ("xx", "xy", "xz", "yy", "yz", "zz")]
+    if any(n not in columns for n in names):
+        return result
+    for t, *values in zip(columns["t_us"], *(columns[n] for n in names)):
+        if values[0]:
+            xx, xy, xz, yy, yz, zz = map(float, values)
+            result[int(t)] = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    return result
 
 
-def aligned(estimate, truth, mode):
-    """The estimate at the true times, laid over the truth as summary.json was computed."""
-    times = {round(t, 6): i for i, t in enumerate(truth[:, 0])}
-    pairs = [(i, times[round(t, 6)]) for i, t in enumerate(estimate[:, 0]) if round(t, 6) in times]
-    if len(pairs) < 3 or mode != "sim3":
-        return estimate[:, 1:4]
-    e = estimate[[p[0] for p in pairs], 1:4]
-    g = truth[[p[1] for p in pairs], 1:4]
-    me, mg = e.mean(0), g.mean(0)
-    u, d, vt = np.linalg.svd((g - mg).T @ (e - me) / len(e))
-    s = np.diag([1, 1, np.sign(np.linalg.det(u) * np.linalg.det(vt))])
-    r = u @ s @ vt
-    scale = np.trace(np.diag(d) @ s) / max(e.var(0).sum(), 1e-18)
-    return (scale * (r @ (estimate[:, 1:4] - me).T)).T + mg
+def drawn_axes(points, planar):
+    """The two axes in which the path is seen: from above, or those along which it is longest."""
+    if planar:
+        return 0, 1
+    spread = [max(p[k] for p in points) - min(p[k] for p in points) for k in range(3)]
+    return tuple(sorted(sorted(range(3), key=lambda k: -spread[k])[:2]))
 
 
-def plot_trajectory(axes, folder, summary):
+def ellipse(c, a, b):
+    """Half axes (3 sigma) and angle of the covariance in the plane of axes a and b."""
+    mean, difference = (c[a][a] + c[b][b]) / 2, (c[a][a] - c[b][b]) / 2
+    root = math.hypot(difference, c[a][b])
+    angle = 0.5 * math.atan2(2 * c[a][b], c[a][a] - c[b][b])
+    return [rounded(3 * math.sqrt(max(v, 0.0))) for v in (mean + root, mean - root)] + [rounded(angle)]
+
+
+def trajectory_of(folder, summary, times):
+    """What the page draws of the path; None where no pose was estimated."""
     estimate, truth = read_tum(folder + "/trajectory.tum"), read_tum(folder + "/truth.tum")
-    if estimate is None:
-        return False
-    mode = summary["trajectory"]["aligned"]
-    planar = mode == "start"
-    p = aligned(estimate, truth, mode) if truth is not None else estimate[:, 1:4]
-    a, b = (0, 1) if planar else (0, 2)
-    if truth is not None and not planar:
-        spread = np.argsort(-np.ptp(truth[:, 1:4], axis=0))
-        a, b = sorted(spread[:2])
+    if not estimate:
+        return None
+    planar = summary["trajectory"]["aligned"] == "start" or summary["config_mode"] == "vehicle"
+    moved = Similarity(summary["trajectory"])
+    points = {t: moved.point(p) for t, p in estimate.items()}
+    a, b = drawn_axes(list((truth or points).values()), planar)
+    spread = covariances(read_csv(folder + "/uncertainty.csv"))
+    frame_of = {t: i for i, t in enumerate(times)}
+    at, error, sigma = [], [None] * len(times), [None] * len(times)
+    for t, p in points.items():
+        i = frame_of.get(t)
+        if i is None:
+            continue
+        at.append([i, rounded(p[a]), rounded(p[b])])
+        if t in truth:
+            error[i] = rounded(math.dist(p[:2], truth[t][:2]) if planar else math.dist(p, truth[t]))
+        if t in spread:
+            c = moved.covariance(spread[t])
+            sigma[i] = rounded(math.sqrt(max(c[0][0] + c[1][1] + c[2][2], 0.0)))
+    step = max(1, len(at) // MOST_ELLIPSES)
+    ellipses = [[x, y] + ellipse(moved.covariance(spread[times[i]]), a, b)
+                for i, x, y in at[::step] if times[i] in spread]
     landmarks = read_csv(folder + "/landmarks.csv")
-    if planar and landmarks:
-        x, y = numbers(landmarks["x"]), numbers(landmarks["y"])
-        axes.plot(x, y, "+", color=MUTED, ms=4, label="landmarks")
-    if truth is not None:
-        axes.plot(truth[:, 1 + a], truth[:, 1 + b], color=MUTED, lw=2.6, alpha=0.6, label="truth")
-    axes.plot(p[:, a], p[:, b], color=BLUE, lw=1.2, label="estimate")
-    axes.plot(p[0, a], p[0, b], "o", color=GREEN, ms=5, label="start")
-    axes.set_aspect("equal", "datalim")
-    axes.set_xlabel("xyz"[a] + (", m" if truth is not None else ", map units"))
-    axes.set_ylabel("xyz"[b] + (", m" if truth is not None else ", map units"))
-    axes.legend(loc="best", fontsize=8)
-    return True
+    marks = [] if not landmarks else [
+        moved.point([float(v) for v in p]) for p in zip(landmarks["x"], landmarks["y"], landmarks["z"])]
+    return {
+        "axes": ["xyz"[a], "xyz"[b]], "unit": "m" if planar or truth else "map units",
+        "flip": not planar and not truth and (a, b) == (0, 1),  # the first camera's y points down
+        "estimate": at,
+        "truth": [[rounded(p[a]), rounded(p[b])] for p in truth.values()],
+        "landmarks": [[rounded(p[a]), rounded(p[b])] for p in marks],
+        "ellipses": ellipses, "error": error, "sigma": sigma}
 
 
-def plot_latency(axes, frames, summary):
-    n = numbers(frames["frame"])
-    total = numbers(frames["total_ms"])
-    budget = summary["latency_ms"]["budget"]
-    axes.stackplot(n, [numbers(frames[k + "_ms"]) for k, *_ in STAGES],
-                   colors=[s[4] for s in STAGES], labels=[s[1] for s in STAGES], lw=0)
-    axes.plot(n, total, color=INK, lw=0.6, label="frame, wall time")
-    axes.axhline(budget, color=RED, lw=1.2, ls="--")
-    axes.annotate(f"budget {budget:g} ms", (n[-1], budget), xytext=(0, 3),
-                  textcoords="offset points", ha="right", color=RED, fontsize=8)
-    axes.set_ylim(0, max(1.12 * budget, min(np.nanmax(total) * 1.1, 4 * budget)))
-    axes.set_xlabel("frame")
-    axes.set_ylabel("ms")
-    legend_above(axes, 3)
+def events_of(folder, frames):
+    """Counters of health that grew, by name: [index of the frame, by how much]."""
+    rows, index = {}, {int(n): i for i, n in enumerate(frames["frame"])}
+    columns = read_csv(folder + "/health.csv")
+    for frame, name, grew in zip(*(columns.get(k, ()) for k in ("frame", "counter", "grew"))):
+        rows.setdefault(name, []).append([index[int(frame)], int(grew)])
+    return rows
 
 
-def legend_above(axes, columns):
-    """As many columns as the figure is wide."""
-    narrow = axes.figure.get_figwidth() < 5.0
-    axes.legend(loc="lower left", fontsize=8, ncol=max(1, columns - 2) if narrow else columns,
-                bbox_to_anchor=(0, 1.0))
-
-
-def plot_histogram(axes, frames, summary):
-    total = numbers(frames["total_ms"])
-    axes.hist(total, bins=60, color=BLUE)
-    for key, color in (("p50", GREEN), ("p99", ORANGE)):
-        axes.axvline(summary["latency_ms"][key], color=color, lw=1.2,
-                     label=f"{key} {summary['latency_ms'][key]:.2f} ms")
-    axes.set_xlabel("time of a frame, ms")
-    axes.set_ylabel("frames")
-    axes.legend(fontsize=8)
-
-
-def plot_registration(axes, frames):
-    px = numbers(frames["registration_px"])
-    if np.all(np.isnan(px)):
-        return False
-    axes.plot(numbers(frames["frame"]), px, color=BLUE, lw=0.9)
-    axes.axhline(np.nanmean(px), color=MUTED, lw=1, ls="--", label=f"mean {np.nanmean(px):.2f} px")
-    axes.set_ylim(0, max(1.0, 1.15 * np.nanpercentile(px, 99.5)))
-    axes.set_xlabel("frame")
-    axes.set_ylabel("registration error, px")
-    axes.legend(fontsize=8, loc="upper left")
-    return True
-
-
-def plot_map(axes, frames, tracking):
-    n = numbers(frames["frame"])
-    for key, color in (("landmarks", MUTED), ("matches", ORANGE), ("inliers", GREEN)):
-        axes.plot(n, numbers(frames[key]), color=color, lw=0.9, label=key)
-    bad = np.array([s not in ("tracking",) for s in tracking["state"]])
-    top = axes.get_ylim()[1]
-    axes.fill_between(n, 0, top, where=bad, color=RED, alpha=0.12, lw=0, step="mid",
-                      label="not tracking")
-    axes.set_xlabel("frame")
-    axes.set_ylim(0, top)
-    legend_above(axes, 4)
+def data_of(folder, summary):
+    """All that the charts draw."""
+    frames, tracking = read_csv(folder + "/frames.csv"), read_csv(folder + "/tracking.csv")
+    spread = read_csv(folder + "/uncertainty.csv")
+    if not frames:
+        return None
+    times = [int(t) for t in frames["t_us"]]
+    angle = [None if v is None else rounded(math.degrees(v)) for v in numbers(spread.get("attitude_sigma_rad", ()))]
+    return {
+        "frame": [int(n) for n in frames["frame"]],
+        "t": [round(1e-6 * (t - times[0]), 4) for t in times],
+        "stages": [{"name": name, "ms": numbers(frames[key + "_ms"]), "budget": iekf}
+                   for key, name, iekf, _ in STAGES],
+        "total": numbers(frames["total_ms"]),
+        "budget": summary["latency_ms"]["budget"],
+        "registration": numbers(frames["registration_px"]),
+        "corners": numbers(frames["corners"]), "matches": numbers(frames["matches"]),
+        "inliers": numbers(frames["inliers"]), "landmarks": numbers(frames["landmarks"]),
+        "state": list(tracking["state"]),
+        "nis": [n / d if d and n is not None else None
+                for n, d in zip(numbers(tracking["nis"]), numbers(tracking["nis_dof"]))],
+        "nees": numbers(tracking["nees"]),
+        "score": numbers(spread.get("health_score", ())), "angle": angle,
+        "events": events_of(folder, frames),
+        "path": trajectory_of(folder, summary, times),
+        "video_rate": summary["video"]["rate_hz"] if summary.get("video") else None,
+        "pictures": [int(name[8:-4]) for name in summary["pictures"]]}
 
 
 def shown(text):
@@ -196,19 +215,26 @@ def value(number, digits=2, unit=""):
     return "&ndash;" if number is None else f"{number:.{digits}f}{unit}"
 
 
+def bar(ms, budget):
+    """A bar of a time against its budget, at most twice the budget long."""
+    share = ms / budget if budget > 0 else 0.0
+    over = " over" if share > 1 else ""
+    return (f"<span class='bar{over}' title='{ms:.2f} of {budget:.2f} ms'>"
+            f"<i style='width:{min(50 * share, 100):.2f}%'></i></span>")
+
+
 def stage_table(summary):
-    rows = []
     latency = summary["latency_ms"]
-    for key, name, iekf, ekf, color in STAGES:
-        s = latency["stages"][key]
-        rows.append(f"<tr><td><i style='background:{color}'></i>{name}</td>"
-                    + "".join(f"<td>{s[k]:.3f}</td>" for k in ("p50", "p95", "p99", "max"))
-                    + f"<td>{100 * s['over_budget']:.2f} %</td><td>{iekf:.2f}</td><td>{ekf:.2f}</td></tr>")
-    rows.append("<tr class='total'><td>whole frame</td>"
-                + "".join(f"<td>{latency[k]:.3f}</td>" for k in ("p50", "p95", "p99", "max"))
-                + f"<td>{100 * latency['over_budget']:.2f} %</td><td>41.57</td><td>37.78</td></tr>")
-    return ("<div class='scrolled'><table><tr><th>per frame, ms</th><th>p50</th><th>p95</th><th>p99</th><th>max</th>"
-            "<th>over budget</th><th>paper IEKF</th><th>paper EKF</th></tr>" + "".join(rows) + "</table></div>")
+    rows = [(f"<i class='stage s{i}'></i>{name}", latency["stages"][key], iekf, ekf, iekf)
+            for i, (key, name, iekf, ekf) in enumerate(STAGES)]
+    rows.append(("<b>whole frame</b>", latency, 41.57, 37.78, latency["budget"]))
+    cells = "".join(
+        f"<tr><td>{name}</td>" + "".join(f"<td>{s[k]:.3f}</td>" for k in ("p50", "p95", "p99", "max"))
+        + f"<td>{bar(s['p99'], budget)}</td><td>{100 * s['over_budget']:.2f} %</td>"
+          f"<td>{iekf:.2f}</td><td>{ekf:.2f}</td></tr>" for name, s, iekf, ekf, budget in rows)
+    return ("<div class='scrolled' tabindex='0'><table><tr><th>per frame, ms</th><th>p50</th><th>p95</th><th>p99</th>"
+            "<th>max</th><th>p99 against budget</th><th>over</th><th>paper IEKF</th><th>paper EKF</th></tr>"
+            + cells + "</table></div>")
 
 
 def verdict(summary):
@@ -243,38 +269,51 @@ def cards(summary):
         f"<div><b>{v}</b><span>{shown(k)}</span></div>" for k, v in items if v) + "</div>"
 
 
-def picture(path):
+def inlined(path, kind):
     with open(path, "rb") as file:
-        data = base64.b64encode(file.read()).decode()
-    frame = int(os.path.basename(path)[8:-4])
-    return f"<figure><img alt='frame {frame}' src='data:image/jpeg;base64,{data}'><figcaption>frame {frame}</figcaption></figure>"
+        return f"data:{kind};base64,{base64.b64encode(file.read()).decode()}"
 
 
-STYLE = """
-:root{color-scheme:light dark}
-body{font:15px/1.5 system-ui,sans-serif;color:#1f2933;background:#fff;max-width:1060px;margin:2.2em auto;padding:0 1em}
-.headline{font-size:1.3em;margin:.8em 0 .3em}.verdict{list-style:none;padding:0;margin:0 0 1em}
-.verdict li{padding:.25em 0 .25em 1.7em;position:relative}.verdict li::before{position:absolute;left:0;width:1.4em;text-align:center}
-.good::before{content:'✓';color:#1b7837}.bad::before{content:'✕';color:#b2182b}.note::before{content:'•'}
-.bad{font-weight:600}.chart.narrow{display:none}.scrolled{overflow-x:auto}
-h1{font-size:1.55em;margin:0}h2{font-size:1.1em;margin:2em 0 .5em}p{margin:.3em 0}.muted{color:#7b8794}
-.cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(225px,1fr));gap:.7em;margin:1.3em 0}
-.cards div{border:1px solid #e4e7eb;border-radius:8px;padding:.6em .8em}.cards b{display:block;font-weight:600}
-.cards span{color:#7b8794;font-size:.85em}
-table{border-collapse:collapse;font-size:.9em;width:100%}th,td{text-align:right;padding:.3em .6em;border-bottom:1px solid #e4e7eb}
-th:first-child,td:first-child{text-align:left}th{color:#7b8794;font-weight:500}.total td{font-weight:600}
-td i{display:inline-block;width:.7em;height:.7em;border-radius:2px;margin-right:.5em}
-svg{width:100%;height:auto}.side{display:flex;flex-wrap:wrap;gap:1em}.side .chart{flex:1 1 300px}
-.frames{display:grid;grid-template-columns:repeat(auto-fill,minmax(310px,1fr));gap:.7em}
-figure{margin:0}img{width:100%;border-radius:6px;display:block}figcaption{color:#7b8794;font-size:.85em}
-.health{columns:3;font-size:.85em}.health div{display:flex;justify-content:space-between;padding:.1em .4em}
-code{font-size:.85em;overflow-wrap:anywhere}
-@media (max-width:700px){.health{columns:1}.chart.narrow{display:block}.chart.wide{display:none}.side{display:block}
-th,td{padding:.3em .35em;white-space:nowrap}td:first-child{white-space:normal;min-width:8em}
-.frames{grid-template-columns:1fr}.cards{grid-template-columns:repeat(auto-fill,minmax(150px,1fr))}}
-@media (prefers-color-scheme:dark){body{background:#14181d;color:#e4e7eb}.chart{background:#fff;border-radius:6px;padding:4px}
-.cards div,th,td{border-color:#3e4c59}.good::before{color:#7fbf7b}.bad::before{color:#f4866f}}
-"""
+def picture(folder, name):
+    frame = int(name[8:-4])
+    return (f"<figure data-frame='{frame}'><img alt='frame {frame}' src='{inlined(f'{folder}/{name}', 'image/jpeg')}'>"
+            f"<figcaption>frame {frame}</figcaption></figure>")
+
+
+def player(folder, summary):
+    """The video, its scrubber, and the pictures of this run."""
+    parts = ["<h2>What a user sees</h2><div id='player'>"]
+    video = summary.get("video")
+    if video and video["file"].endswith(".mp4"):
+        path = f"{folder}/{video['file']}"
+        inside = os.path.getsize(path) <= MOST_INLINE_VIDEO
+        parts.append("<video id='video' playsinline muted controls preload='auto' "
+                     f"src='{inlined(path, 'video/mp4') if inside else shown(video['file'])}'></video>"
+                     f"<p id='no-video' hidden>The video <code>{shown(video['file'])}</code> cannot be played here"
+                     f"{'' if inside else ': keep it in the same folder as this page'}.</p>")
+    parts.append("<div class='scrub'><button id='play' type='button' aria-label='play or pause'>▶</button>"
+                 "<input id='scrubber' type='range' min='0' value='0' step='1' aria-label='frame'>"
+                 "<span class='zoom'><button id='nearer' type='button' aria-label='zoom in'>+</button>"
+                 "<button id='wider' type='button' aria-label='zoom out'>−</button>"
+                 "<button id='all' type='button'>all</button></span></div><p id='readout' class='muted'></p></div>")
+    if summary["pictures"]:
+        parts += ["<div class='frames'>", *(picture(folder, name) for name in summary["pictures"]), "</div>"]
+    return "".join(parts)
+
+
+CHARTS = [
+    ("latency", "Latency", "<p class='muted'>Over: the share of frames above the paper's row (stages) or above the "
+     "budget (whole frame). The paper's columns are its Table 1, on its desktop PC."
+     " <label><input type='checkbox' id='to-budget'> chart up to the budget</label></p>"),
+    ("path", "Trajectory", "<p class='muted' id='path-note'></p>"),
+    ("error", "Position: what the filter says of itself", ""),
+    ("registration", "Registration error", "<p class='muted'>Mean distance between the true pixel of anchored scene "
+     "points and where the estimated pose puts them.</p>"),
+    ("map", "Map and matches", ""),
+    ("consistency", "Consistency", "<p class='muted'>NIS over its degrees of freedom, and NEES over 3: 1 is "
+     "consistent.</p>"),
+    ("health", "Health", "<p class='muted'>Where a counter grew. Score: below 1 is healthy.</p>"),
+]
 
 
 def main(folder):
@@ -282,45 +321,39 @@ def main(folder):
         summary = json.load(file)
     with open(folder + "/manifest.json", encoding="utf-8") as file:
         manifest = json.load(file)
-    frames, tracking = read_csv(folder + "/frames.csv"), read_csv(folder + "/tracking.csv")
     config = manifest["config"]
+    summary["config_mode"] = config["mode"]
+    data = json.dumps(data_of(folder, summary), separators=(",", ":")).replace("<", "\\u003c")
+    title = shown(title_of(manifest["source"]["name"]))
     parts = [
-        f"<h1>{shown(title_of(manifest['source']['name']))}</h1>",
+        f"<header><h1>{title}</h1>",
         f"<p class='muted'>{shown(config['mode'])} &middot; {shown(config['filter'])}"
         f" &middot; seed {shown(manifest['seed'])}"
-        f" &middot; {shown(manifest['source']['note'] or 'no assumptions')}</p>",
-        verdict(summary), cards(summary)]
-    pictures = [f"{folder}/{name}" for name in summary["pictures"]]
-    if pictures:
-        parts += ["<h2>What a user sees</h2><div class='frames'>", *map(picture, pictures), "</div>"]
-    parts += ["<h2>Latency</h2>", stage_table(summary),
-              "<p class='muted'>Over budget: the share of frames above the paper's row (stages) or above "
-              f"{summary['latency_ms']['budget']:g} ms (whole frame). The paper's columns are its Table 1, "
-              "on its desktop PC.</p>",
-              chart(plot_latency, (8.6, 2.9), (4.1, 3.6), frames, summary)]
-    parts += ["<h2>Trajectory and time of a frame</h2><div class='side'>",
-              chart(plot_trajectory, (5.2, 4.6), (4.1, 4.1), folder, summary)
-              or "<p>No pose was estimated.</p>",
-              chart(plot_histogram, (4.2, 2.9), (4.1, 2.9), frames, summary), "</div>"]
-    registration = chart(plot_registration, (8.6, 2.4), (4.1, 2.6), frames)
-    if registration:
-        parts += ["<h2>Registration error</h2>", registration,
-                  "<p class='muted'>Mean distance between the true pixel of anchored scene points and "
-                  "where the estimated pose puts them"
-                  f" ({summary['registration_px']['n']} points).</p>"]
-    parts += ["<h2>Map and matches</h2>", chart(plot_map, (8.6, 2.6), (4.1, 3.0), frames, tracking)]
+        f" &middot; {shown(manifest['source']['note'] or 'no assumptions')}</p></header>",
+        verdict(summary), cards(summary), player(folder, summary)]
+    for name, heading, note in CHARTS:
+        parts.append(f"<section id='{name}'><h2>{heading}</h2>")
+        if name == "latency":
+            parts.append(stage_table(summary))
+        parts.append(f"<div class='chart' data-chart='{name}'></div>{note}</section>")
     health = "".join(f"<div><span>{shown(k.replace('_', ' '))}</span><b>{shown(v)}</b></div>"
                      for k, v in summary["health"].items())
-    parts += [f"<h2>Health</h2><div class='health'>{health}</div>",
+    parts += [f"<details><summary>Every counter of health</summary><div class='health'>{health}</div></details>",
               "<h2>How this was made</h2>"
               f"<p><code>{shown(manifest['command'])}</code></p>"
               f"<p class='muted'>cairn {shown(manifest['version'])} &middot; {shown(manifest['compiler'])}"
-              f" &middot; {shown(manifest['cpu'])}<br>log hash <code>{shown(summary['log_hash'])}</code></p>"]
-    title = shown(title_of(manifest["source"]["name"]))
+              f" &middot; {shown(manifest['cpu'])}<br>log hash <code>{shown(summary['log_hash'])}</code>"
+              "<br>Charts: uPlot, MIT licence (in this page's source). Drag to zoom, double-click for all, click to "
+              "go to a frame.</p>"]
     with whole_file(folder + "/report.html") as file:
         file.write("<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' "
                    "content='width=device-width, initial-scale=1'>"
-                   f"<title>Cairn: {title}</title><style>{STYLE}</style>" + "\n".join(parts) + "</html>\n")
+                   f"<title>Cairn: {title}</title>"
+                   f"<style>{page_part('uplot_css')}{page_part('css')}</style>" + "\n".join(parts)
+                   + f"<!--\nuPlot:\n{page_part('uplot_licence')}-->"
+                   f"<script type='application/json' id='data'>{data}</script>"
+                   + "".join(f"<script>{page_part(name)}</script>" for name in ("uplot", "charts", "page"))
+                   + "</html>\n")
 
 
 main(sys.argv[1])

@@ -32,10 +32,11 @@ void refuse_full_folder(const std::filesystem::path& folder) {
 
 void remove_earlier_run(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> old;
-  for (const char* name : {"report.html", "overlay.mp4", "overlay.avi", "overlay.part.mp4",
-                           "overlay.part.avi", "summary.json", "frames.csv", "tracking.csv",
-                           "trajectory.tum", "truth.tum", "trajectory_kitti.txt", "truth_kitti.txt",
-                           "samples.csv", "landmarks.csv", "manifest.json"}) {
+  for (const char* name :
+       {"report.html", "overlay.mp4", "overlay.avi", "overlay.part.mp4", "overlay.part.avi",
+        "summary.json", "frames.csv", "tracking.csv", "trajectory.tum", "truth.tum",
+        "trajectory_kitti.txt", "truth_kitti.txt", "samples.csv", "landmarks.csv",
+        "uncertainty.csv", "health.csv", "manifest.json"}) {
     old.push_back(folder / name);
     old.push_back(part_of(folder / name));
   }

@@ -35,6 +35,10 @@ void write_manifest(const std::filesystem::path& folder, const RunIdentity& iden
 void write_frames(const std::filesystem::path& folder, const RunRecord& record,
                   const RegistrationResult& registration);
 void write_trajectories(const std::filesystem::path& folder, const RunRecord& record, Mode mode);
+/// uncertainty.csv: what each frame states of its pose, and how healthy it was.
+void write_uncertainty(const std::filesystem::path& folder, const RunRecord& record);
+/// health.csv: in which frame which counter grew.
+void write_health(const std::filesystem::path& folder, const RunRecord& record);
 void write_landmarks(const std::filesystem::path& folder, const RunRecord& record);
 nlohmann::json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                          const RegistrationResult& registration, double budget_ms,

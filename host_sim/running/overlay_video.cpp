@@ -35,10 +35,13 @@ OverlayVideo::OverlayVideo(const std::filesystem::path& folder, double frame_rat
   }
 }
 
-cv::Mat OverlayVideo::compose(const cv::Mat& grey, const cv::Mat& drawn,
-                              const std::string& caption) {
+cv::Mat OverlayVideo::compose(const cv::Mat& grey, const cv::Mat& drawn, const cv::Mat& colour) {
   cv::Mat picture;
-  cv::cvtColor(drawn, picture, cv::COLOR_GRAY2BGR);
+  if (colour.empty()) {
+    cv::cvtColor(drawn, picture, cv::COLOR_GRAY2BGR);
+  } else {
+    picture = colour.clone();
+  }
   for (int y = 0; y < grey.rows; ++y) {
     const std::uint8_t* before = grey.ptr<std::uint8_t>(y);
     const std::uint8_t* after = drawn.ptr<std::uint8_t>(y);
@@ -50,7 +53,7 @@ cv::Mat OverlayVideo::compose(const cv::Mat& grey, const cv::Mat& drawn,
                 static_cast<std::uint8_t>(std::min(255, 60 + level))};
     }
   }
-  return captioned(picture, caption);
+  return picture;
 }
 
 cv::Mat OverlayVideo::captioned(const cv::Mat& colour, const std::string& caption) {

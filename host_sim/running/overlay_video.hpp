@@ -13,8 +13,9 @@ class OverlayVideo {
  public:
   OverlayVideo(const std::filesystem::path& folder, double frame_rate_hz, const cv::Size& size);
 
-  /// The picture of a frame: `drawn` is `grey` with the virtual object drawn into it.
-  static cv::Mat compose(const cv::Mat& grey, const cv::Mat& drawn, const std::string& caption);
+  /// The picture of a frame: `drawn` is `grey` with the virtual object drawn into it, which is laid
+  /// over `colour` where that is not empty.
+  static cv::Mat compose(const cv::Mat& grey, const cv::Mat& drawn, const cv::Mat& colour);
   /// A picture in colour with a line of text in its lower left corner, drawn into it.
   static cv::Mat captioned(const cv::Mat& colour, const std::string& caption);
 

@@ -22,7 +22,9 @@
 #include "host_sim/io/interruption.hpp"
 #include "host_sim/io/output_file.hpp"
 #include "host_sim/render/shaded_object.hpp"
+#include "host_sim/running/live_view.hpp"
 #include "host_sim/running/overlay_video.hpp"
+#include "host_sim/running/view_picture.hpp"
 #include "host_sim/trackers/host_ticks.hpp"
 
 namespace cairn::host {
@@ -91,12 +93,13 @@ class FrameLoop {
     const int expected = source.info().frame_count.value_or(600);
     static_cast<void>(monitor_.reset(HealthLimits{}));
     picture_step_ = std::max(1, expected / std::max(1, settings.pictures));
+    if (settings.view) view_.emplace("Cairn: " + source.info().name);
   }
 
   RunRecord run(Frame& frame) {
     do {
       process(frame);
-    } while (interrupted() == 0 && source_.next(frame));
+    } while (interrupted() == 0 && !record_.ended_by_viewer && source_.next(frame));
     record_.interrupted_by = interrupted();
     record_.landmarks = tracker_.landmarks();
     record_.library_size = tracker_.library_size();
@@ -132,9 +135,14 @@ class FrameLoop {
     for (int i = 0; i < kStageCount; ++i) {
       entry.stage_ms[i] = entry.report.stage_ticks[i] / kHostTicksPerMs;
     }
-    monitor_.note(frame.t_us, entry.report.status, entry.report, tracker_.health(),
-                  sigma_of(tracker_));
+    const PoseSigma sigma = sigma_of(tracker_);
+    entry.health = tracker_.health();
+    monitor_.note(frame.t_us, entry.report.status, entry.report, entry.health, sigma);
     entry.health_score = monitor_.score();
+    if (entry.has_pose()) {
+      entry.position_covariance = tracker_.position_covariance();
+      entry.attitude_sigma_rad = static_cast<double>(sigma.heading_rad);
+    }
     note_mount();
     entry.true_T_world_camera = frame.true_T_world_camera;
     entry.true_T_world_vehicle = frame.true_T_world_vehicle;
@@ -178,8 +186,8 @@ class FrameLoop {
         if (entry.vehicle.has_value()) surfaces_.push_back({corners});
       }
     }
-    cv::Mat picture;
-    cv::cvtColor(frame.grey, picture, cv::COLOR_GRAY2BGR);
+    cv::Mat picture = frame.colour.clone();
+    if (picture.empty()) cv::cvtColor(frame.grey, picture, cv::COLOR_GRAY2BGR);
     if (entry.report.state == TrackingState::kLost) return picture;
     const Rigid<double> T_world_camera = to_double(entry.report.T_map_camera);
     for (const int i : far_to_near(*objects, T_world_camera)) {
@@ -202,14 +210,17 @@ class FrameLoop {
     const std::size_t done = record_.frames.size();
     const bool keep = settings_.pictures > 0 && done % static_cast<std::size_t>(picture_step_) ==
                                                     static_cast<std::size_t>(picture_step_ / 2);
-    if (!settings_.video && !keep) return;
+    if (!settings_.video && !keep && !view_) return;
     const std::string caption =
         fmt::format("frame {}  {}  {:.2f} ms  {} inliers  {} landmarks", frame.number,
                     to_string(entry.report.state), entry.total_ms, entry.report.inliers,
                     entry.report.landmarks);
     const cv::Mat drawn = settings_.shaded ? shade(frame, entry) : cv::Mat();
-    const cv::Mat picture = drawn.empty() ? OverlayVideo::compose(frame.grey, overlay_, caption)
-                                          : OverlayVideo::captioned(drawn, caption);
+    const cv::Mat plain =
+        drawn.empty() ? OverlayVideo::compose(frame.grey, overlay_, frame.colour) : drawn;
+    if (view_) show(plain, frame, entry);
+    if (!settings_.video && !keep) return;
+    const cv::Mat picture = OverlayVideo::captioned(plain, caption);
     if (settings_.video) {
       if (video_ == nullptr) {
         video_ = std::make_unique<OverlayVideo>(settings_.out, source_.info().frame_rate_hz,
@@ -227,6 +238,12 @@ class FrameLoop {
     }
   }
 
+  void show(const cv::Mat& picture, const Frame& frame, const FrameRecord& entry) {
+    const cv::Mat shown = view_picture(picture, frame.grey, entry, tracker_.landmarks(),
+                                       source_.info().camera, settings_.budget_ms);
+    record_.ended_by_viewer = !view_->show(shown, frame.t_us);
+  }
+
   FrameSource& source_;
   Tracker& tracker_;
   const RunnerSettings& settings_;
@@ -237,6 +254,7 @@ class FrameLoop {
   Hash64 hash_;
   cv::Mat overlay_;
   std::unique_ptr<OverlayVideo> video_;
+  std::optional<LiveView> view_;
   int picture_step_ = 1;
   std::optional<ShadedObject> shaded_;
   std::vector<OccludingPolygon> surfaces_;

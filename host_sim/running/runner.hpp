@@ -7,6 +7,7 @@
 
 #include "cairn/runtime/health_monitor.hpp"
 
+#include "host_sim/base/names.hpp"
 #include "host_sim/evaluation/registration_error.hpp"
 #include "host_sim/sources/frame_source.hpp"
 #include "host_sim/trackers/tracker.hpp"
@@ -27,6 +28,11 @@ struct FrameRecord {
   /// against that of the first frame with a pose.
   std::optional<double> nees;
   float health_score = 0.0F;  ///< of HealthMonitor
+  Health health;              ///< counters after the frame
+  /// Of the pose, where there is one: as Tracker::position_covariance(), and of the heading or of
+  /// an axis of a hand-held camera's attitude.
+  std::optional<Matrix3<double>> position_covariance;
+  double attitude_sigma_rad = 0.0;
 
   bool has_pose() const {
     return report.state == TrackingState::kTracking || report.state == TrackingState::kUncertain;
@@ -49,6 +55,7 @@ struct RunRecord {
   nlohmann::json tracker;
   std::uint64_t log_hash = 0;
   int interrupted_by = 0;                       ///< signal after which no frame was begun, else 0
+  bool ended_by_viewer = false;                 ///< in the window
   std::filesystem::path overlay;                ///< empty without video
   std::vector<std::filesystem::path> pictures;  ///< overlay frames for the report
 };
@@ -59,6 +66,8 @@ struct RunnerSettings {
   bool shaded = false;   ///< objects with shaded faces, hidden by known surfaces, not as wireframes
   int pictures = 6;      ///< overlay frames kept for the report
   bool progress = true;  ///< shown where standard error is a terminal
+  bool view = false;     ///< shown in a window, which may end the run
+  double budget_ms = kPaperTotalMs;  ///< of a frame, for the window
 };
 
 /// Drives `tracker` over `first` and the rest of `source`. Writes the overlay video and its

@@ -50,6 +50,7 @@ class CroppedSource final : public FrameSource {
     info_.damaged = source_->info().damaged;
     if (!more) return false;
     frame.grey = frame.grey(area_).clone();
+    if (!frame.colour.empty()) frame.colour = frame.colour(area_).clone();
     const Vector2<double> corner(area_.x, area_.y);
     for (ScenePointView& point : frame.scene_points) point.pixel -= corner;
     return true;

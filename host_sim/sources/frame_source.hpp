@@ -27,6 +27,7 @@ struct Frame {
   int number = 0;         ///< as the source counts, may start anywhere
   std::int64_t t_us = 0;  ///< strictly increasing
   cv::Mat grey;           ///< 8 bit, one channel, continuous, of the camera's size
+  cv::Mat colour;         ///< the same in BGR, to draw into; empty where the source gives none
   /// Samples since the frame before, t_us of the last one <= the frame's. Empty for handheld
   /// sources.
   std::vector<OdometrySample> odometry;

@@ -40,6 +40,9 @@ class Media {
   virtual const std::vector<MediaFrame>& frames() const = 0;
   /// The next frame as 8-bit grey; false after the last. Throws InputError naming the file.
   virtual bool next(MediaFrame& frame, cv::Mat& grey) = 0;
+  /// The frame that next() gave, 8-bit BGR; empty where the media has no colour. Storage of the
+  /// media's own.
+  virtual cv::Mat colour() const { return {}; }
   /// After the last frame: what is missing of the frames that the media announces; empty: nothing.
   virtual std::string missing() const = 0;
   /// Whether so much is missing that the media must be damaged.
@@ -63,5 +66,12 @@ std::unique_ptr<Media> open_pictures(const std::filesystem::path& folder, const 
 /// cannot decode it, and where the container's times do not increase.
 std::unique_ptr<Media> open_video(const std::filesystem::path& file, const cv::Size& size,
                                   const FrameRange& range);
+
+/// A camera that is watched: the number of a device (0 is the first webcam), its file, or the
+/// address of a stream. Asked for pictures of `size` (an empty one: takes those it gives). Times
+/// are those at which frames arrive, from 0 on; a range without a count has no end. Throws
+/// InputError naming the device where it cannot be opened or gives another size.
+std::unique_ptr<Media> open_camera(const std::string& device, const cv::Size& size,
+                                   const FrameRange& range);
 
 }  // namespace cairn::host

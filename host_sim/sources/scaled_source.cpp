@@ -51,6 +51,11 @@ class ScaledSource final : public FrameSource {
     cv::resize(frame.grey, small, {info_.camera.width, info_.camera.height}, 0.0, 0.0,
                cv::INTER_AREA);
     frame.grey = small;
+    if (!frame.colour.empty()) {
+      cv::Mat colour;
+      cv::resize(frame.colour, colour, small.size(), 0.0, 0.0, cv::INTER_AREA);
+      frame.colour = colour;
+    }
     for (ScenePointView& point : frame.scene_points) point.pixel = scaled(point.pixel);
     return true;
   }

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 constexpr double kRateWithoutAny_hz = 30.0;
 constexpr double kMostFrames = 1e9;
 constexpr int kMostFailedFrames = 300;           // one after the other
+constexpr int kMostReordered = 16;               // frames of H.264 and HEVC that wait for others
 constexpr double kConstantRate = 0.1;            // largest deviation from it, in frames
 constexpr double kFramesMissingInSilence = 2.0;  // containers round their durations
 constexpr double kShareMissingInSilence = 0.01;
@@ -38,9 +39,13 @@ class ContainerClock {
     if (count == 1 && container_us == 0 && last_.t_us == 0) has_times_ = false;
     if (!has_times_) {
       last_ = {count, std::llround(1e6 * count / rate_hz_)};
+    } else if (count > 0 && container_us == 0 && untimed_ < kMostReordered) {
+      ++untimed_;
+      last_ = {last_.number + 1, last_.t_us + step_us_};
     } else if (count > 0 && container_us <= last_.t_us) {
       return false;
     } else {
+      if (count > 0) step_us_ = container_us - last_.t_us;
       last_ = {number_at(count, container_us), container_us};
     }
     frame = last_;
@@ -49,6 +54,8 @@ class ContainerClock {
 
   const MediaFrame& last() const { return last_; }
   bool has_times() const { return has_times_; }
+  /// Frames so far whose time OpenCV did not give, taken as a step after the frame before.
+  int untimed() const { return untimed_; }
 
  private:
   /// While every frame stands at a multiple of the rate's step, gaps are frames that are missing.
@@ -62,6 +69,8 @@ class ContainerClock {
   double rate_hz_;
   bool has_times_ = true;
   bool is_constant_ = true;
+  int untimed_ = 0;
+  std::int64_t step_us_ = 0;
   MediaFrame last_;
 };
 
@@ -97,9 +106,21 @@ class VideoMedia final : public Media {
     } else {
       cv::cvtColor(colour_, grey, cv::COLOR_BGR2GRAY);
     }
-    if (turned_wrongly_) cv::rotate(grey, grey, cv::ROTATE_180);
+    if (turned_wrongly_) {
+      cv::rotate(grey, grey, cv::ROTATE_180);
+      turned_ = false;
+    }
     if (grey.size() != size_) refuse_size(grey.size());
     return true;
+  }
+
+  cv::Mat colour() const override {
+    if (colour_.channels() != 3) return {};
+    if (turned_wrongly_ && !turned_) {
+      cv::rotate(colour_, colour_, cv::ROTATE_180);
+      turned_ = true;
+    }
+    return colour_;
   }
 
   std::string missing() const override {
@@ -132,9 +153,10 @@ class VideoMedia final : public Media {
                           static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_HEIGHT)));
     if (size_.empty() && stated.empty()) throw InputError(path_, "expected a video of known size");
     if (size_.empty()) size_ = stated;
+    const int turn = static_cast<int>(capture_.get(cv::CAP_PROP_ORIENTATION_META));
+    is_turned_ = turn != 0;
     if (stated != size_ && !stated.empty()) refuse_size(stated);
     info_.size = size_;
-    const int turn = static_cast<int>(capture_.get(cv::CAP_PROP_ORIENTATION_META));
     turned_wrongly_ = kQuarterTurnsAreReversed && (turn == 90 || turn == 270);
     const double rate = capture_.get(cv::CAP_PROP_FPS);
     info_.rate_hz = rate >= 0.1 && rate <= 1000.0 ? rate : kRateWithoutAny_hz;
@@ -158,6 +180,11 @@ class VideoMedia final : public Media {
                                           1e-6 * static_cast<double>(clock_.last().t_us)));
     }
     ++count_;
+    if (clock_.untimed() > 0) {
+      info_.note =
+          fmt::format("times from the video, but for the last {}, a step each: OpenCV has none",
+                      clock_.untimed());
+    }
     if (!clock_.has_times()) info_.note = "times from the video's rate: it has none of frames";
     return true;
   }
@@ -180,18 +207,22 @@ class VideoMedia final : public Media {
         path_,
         fmt::format("expected {}x{} pixels as the calibration is of, found {}x{}{}", size_.width,
                     size_.height, found.width, found.height,
-                    turned ? ": the calibration is of the picture before it is turned" : ""));
+                    !turned      ? ""
+                    : is_turned_ ? ": the calibration is of the picture before it is turned"
+                                 : ": the camera was held the other way when it was calibrated"));
   }
 
   fs::path path_;
   cv::Size size_;
   FrameRange range_;
   MediaInfo info_;
+  bool is_turned_ = false;  ///< by its metadata
   bool turned_wrongly_ = false;
   cv::VideoCapture capture_;
   ContainerClock clock_;
   std::optional<int> announced_;
-  cv::Mat colour_;
+  mutable cv::Mat colour_;  ///< as decoded; turned when it is asked for
+  mutable bool turned_ = false;
   int count_ = 0;  ///< frames decoded
   int given_ = 0;
   bool ended_ = false;

@@ -34,6 +34,7 @@ Rigid<double> default_mounting() {
 std::unique_ptr<Media> open_media(const VideoOptions& options,
                                   const PinholeCamera<double>& camera) {
   const cv::Size size(camera.width, camera.height);
+  if (options.live) return open_camera(options.media.string(), size, options.range);
   return fs::is_directory(options.media) ? open_pictures(options.media, size, options.range)
                                          : open_video(options.media, size, options.range);
 }
@@ -54,7 +55,7 @@ class VideoSource final : public FrameSource {
     if (options.hfov_deg) guess_camera(*options.hfov_deg);
     if (!options.times.empty()) times_.emplace(options.times);
     const MediaInfo& media = media_->info();
-    info_.name = "video";
+    info_.name = options.live ? "camera" : "video";
     info_.camera = camera_.camera;
     info_.frame_rate_hz = media.rate_hz;
     info_.frame_count = media.frame_count;
@@ -77,6 +78,7 @@ class VideoSource final : public FrameSource {
       note_end();
       return false;
     }
+    if (options_.colour) frame.colour = media_->colour();
     if (times_.has_value()) place.t_us = times_->t_us(place.number);
     describe(place, frame);
     ++given_;
@@ -218,9 +220,10 @@ PinholeCamera<double> guessed_camera(const cv::Size& size, double hfov_deg) {
 
 std::unique_ptr<FrameSource> make_video_source(const VideoOptions& options) {
   if (options.camera.empty() == !options.hfov_deg.has_value()) {
-    throw UsageError(
-        "source video: expected a camera file by --camera (`cairn_sim calibrate` makes one), or a "
-        "guess by --hfov DEG, the horizontal field of view");
+    throw UsageError(fmt::format(
+        "source {}: expected a camera file by --camera (`cairn_sim calibrate` makes one), or a "
+        "guess by --hfov DEG, the horizontal field of view",
+        options.live ? "camera" : "video"));
   }
   return std::make_unique<VideoSource>(options);
 }

@@ -14,11 +14,13 @@ namespace cairn::host {
 
 struct VideoOptions {
   std::filesystem::path media;     ///< a video file, or a folder of numbered images
+  bool live = false;               ///< `media` is a camera, as open_camera() takes it
   std::filesystem::path camera;    ///< camera file; this or `hfov_deg`
   std::filesystem::path odometry;  ///< CSV, optional: turns the source into a vehicle's
   std::filesystem::path times;     ///< CSV, optional
   std::filesystem::path truth;     ///< TUM, optional: camera poses
   FrameRange range;
+  bool colour = false;                         ///< frames have their colours, where the media does
   std::optional<double> speed_sigma_mps;       ///< of an odometry sample; absent: as for any wheels
   std::optional<double> yaw_rate_sigma_radps;  ///< same; only for odometry with a yaw rate
   std::optional<double> hfov_deg;              ///< the camera is guessed; a warning says so

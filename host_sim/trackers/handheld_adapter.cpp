@@ -76,11 +76,26 @@ class HandheldAdapter : public Tracker {
     return all;
   }
 
+  std::vector<LandmarkId> measured() const override {
+    std::vector<LandmarkId> ids;
+    const auto& filter = core_->filter();
+    for (int slot = 0; slot < filter.feature_count(); ++slot) {
+      const FeatureStatistics& record = filter.feature_statistics(slot);
+      const bool used = record.measured > 0 && record.consecutive_misses == 0;
+      if (used && record.out_of_view == 0) ids.push_back(filter.feature_id(slot));
+    }
+    return ids;
+  }
+
   std::optional<Matrix3<double>> attitude_covariance() const override {
     return core_->filter()
         .pose_covariance()
         .template bottomRightCorner<3, 3>()
         .template cast<double>();
+  }
+
+  std::optional<Matrix3<double>> position_covariance() const override {
+    return core_->filter().pose_covariance().template topLeftCorner<3, 3>().template cast<double>();
   }
 
   int library_size() const override { return core_->library().size(); }

@@ -71,6 +71,9 @@ class Tracker {
   virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }
   /// Covariance of the attitude, rad^2, camera axes; of a small turn after it. Handheld mode alone.
   virtual std::optional<Matrix3<double>> attitude_covariance() const { return std::nullopt; }
+  /// Covariance of the position that the trajectory files hold, in their frame, m^2: of a vehicle
+  /// (in the plane) or of a hand-held camera.
+  virtual std::optional<Matrix3<double>> position_covariance() const { return std::nullopt; }
   /// Filter, mode and configuration, for the manifest.
   virtual nlohmann::json description() const = 0;
 

@@ -90,6 +90,12 @@ class VehicleAdapter : public Tracker {
     estimate.covariance = core_->filter().pose_covariance().template cast<double>();
     return estimate;
   }
+  std::optional<Matrix3<double>> position_covariance() const override {
+    Matrix3<double> covariance = Matrix3<double>::Zero();
+    covariance.topLeftCorner<2, 2>() =
+        core_->filter().pose_covariance().template topLeftCorner<2, 2>().template cast<double>();
+    return covariance;
+  }
   std::optional<MountOffset> mount_offset() const override { return core_->mount_offset(); }
   const Augmenter* objects() const override { return &objects_.augmenter(); }
 

@@ -69,6 +69,14 @@ class WindowAdapter : public Tracker {
     return core_->pose_covariance().template bottomRightCorner<3, 3>().template cast<double>();
   }
 
+  std::optional<Matrix3<double>> position_covariance() const override {
+    const Matrix3<double> R_world_camera =
+        core_->T_world_camera().rotation.toRotationMatrix().template cast<double>();
+    return R_world_camera *
+           core_->pose_covariance().template topLeftCorner<3, 3>().template cast<double>() *
+           R_world_camera.transpose();
+  }
+
   int landmark_capacity() const override { return Core::kMaxFeatures; }
   Health health() const override { return core_->health(); }
   const Augmenter* objects() const override { return &objects_.augmenter(); }

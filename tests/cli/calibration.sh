@@ -37,6 +37,11 @@ expect 2 "--hfov: source 'hall'" run hall --hfov 60 --out none
 # a part of the pictures
 expect 0 "log hash" run video:frames --hfov 60 --crop 200x100 --no-video --out cropped
 grep -q "cropped to 200x100+60+70" "$work/cropped/manifest.json" || fail "the manifest does not name the crop"
+expect 0 "per frame, ms" timing video:frames --hfov 60 --crop 200x100 --counted-frames 0 --out timed
+expect 3 "expected more than the 90 frames" inject video:frames --hfov 60 --crop 200x100 --brief
+expect 2 "no odometry" check-mount video:frames --hfov 60 --crop 200x100
+expect 0 "results in" robustness video:frames --hfov 60 --crop 200x100 --windows 3,3 --out windows
+expect 2 "--hfov: source 'hall-small'" timing hall-small --hfov 60 --out none
 expect 2 "--crop '200'" run video:frames --hfov 60 --crop 200 --out none
 expect 2 "--crop 400x100|320x240" run video:frames --hfov 60 --crop 400x100 --out none
 finish

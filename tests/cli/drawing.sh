@@ -34,9 +34,11 @@ class Page(html.parser.HTMLParser):
         self.scripts += tag == "script"
 
 folder, page = pathlib.Path(sys.argv[1]), Page()
-page.feed((folder / "report.html").read_text(encoding="utf-8"))
+text = (folder / "report.html").read_text(encoding="utf-8")
+page.feed(text)
 command = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))["command"]
-sys.exit(page.scripts > 0 or command not in page.text)
+own = 4 if 'id="data"' in text or "id='data'" in text else 0  # the data, and the charts' code
+sys.exit(page.scripts != own or command not in page.text)
 PYTHON
 }
 

@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
+#include "host_sim/sources/cropped_source.hpp"
 #include "host_sim/sources/odometry_file.hpp"
 #include "host_sim/sources/scaled_source.hpp"
 #include "input_messages.hpp"
@@ -181,6 +182,13 @@ TEST(VideoSource, AnUprightVideoIsTurnedAndNeedsItsCalibration) {
   VideoOptions options = video(folder, path);
   EXPECT_TRUE(says(message_of([&] { make_video_source(options); }),
                    {"upright.mov", "320x240", "found 240x320", "before it is turned"}));
+  QuickTimeFile({image}, std::vector<int>(3, 33)).write(path);
+  VideoOptions lying = video(folder, path);
+  lying.camera =
+      folder.write("upright.yaml", "fx: 250\nfy: 250\ncx: 120\ncy: 160\nwidth: 240\nheight: 320\n");
+  EXPECT_TRUE(says(message_of([&] { make_video_source(lying); }),
+                   {"upright.mov", "240x320", "found 320x240", "was held the other way"}));
+  QuickTimeFile({image}, std::vector<int>(3, 33), true).write(path);
   options.camera =
       folder.write("upright.yaml", "fx: 250\nfy: 250\ncx: 120\ncy: 160\nwidth: 240\nheight: 320\n");
   const auto source = make_video_source(options);
@@ -188,6 +196,31 @@ TEST(VideoSource, AnUprightVideoIsTurnedAndNeedsItsCalibration) {
   ASSERT_TRUE(source->next(frame));
   EXPECT_GT(frame.grey.at<std::uint8_t>(20, 120), 250);
   EXPECT_LT(frame.grey.at<std::uint8_t>(300, 120), 5);
+}
+
+TEST(VideoSource, ColourIsTurnedCroppedAndScaledAsTheGreyPicture) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "upright.mov";
+  cv::Mat picture(240, 320, CV_8UC3, cv::Scalar(200, 60, 30));
+  picture({0, 0, 160, 120}).setTo(cv::Scalar(20, 40, 220));
+  QuickTimeFile({picture}, {40, 40}, true).write(path);
+  VideoOptions options;
+  options.media = path;
+  options.hfov_deg = 40.0;
+  Frame frame;
+  ASSERT_TRUE(make_video_source(options)->next(frame));
+  EXPECT_TRUE(frame.colour.empty());
+  options.colour = true;
+  const auto source =
+      scale_source(crop_source(make_video_source(options), PictureCrop{200, 280, {}, {}}), 0.5);
+  ASSERT_TRUE(source->next(frame));
+  ASSERT_EQ(frame.colour.size(), cv::Size(100, 140));
+  ASSERT_EQ(frame.grey.size(), frame.colour.size());
+  cv::Mat grey;
+  cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
+  EXPECT_LE(cv::norm(grey, frame.grey, cv::NORM_INF), 2.0);
+  EXPECT_GT(frame.colour.at<cv::Vec3b>(20, 80)[2], 150);  // the red corner, turned clockwise
+  EXPECT_GT(frame.colour.at<cv::Vec3b>(120, 20)[0], 150);
 }
 
 TEST(VideoSource, TimesOfAContainerThatStandStillAreRefused) {
@@ -198,6 +231,29 @@ TEST(VideoSource, TimesOfAContainerThatStandStillAreRefused) {
   QuickTimeFile(noise_frames(), durations).write(path);
   EXPECT_TRUE(says(message_of([&] { run(video(folder, path)); }),
                    {"still.mov", "0.297 s for frame 10", "--times"}));
+}
+
+/// OpenCV gives the time 0 to the frames that H.264 keeps back, for others that refer to them,
+/// until the video ends.
+TEST(VideoSource, FramesThatWereKeptBackToTheEndHaveTimes) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "clip.mp4";
+  cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('a', 'v', 'c', '1'), 25.0,
+                         {320, 240});
+  if (!writer.isOpened()) GTEST_SKIP() << "OpenCV has no encoder for H.264";
+  const std::vector<cv::Mat> frames = noise_frames();
+  for (std::size_t i = 0; i < 12; ++i) {
+    cv::Mat colour;
+    cv::cvtColor(frames[i % frames.size()], colour, cv::COLOR_GRAY2BGR);
+    writer.write(colour);
+  }
+  writer.release();
+  const Ran ran = run(video(folder, path));
+  ASSERT_EQ(ran.t_us.size(), 12U);
+  for (std::size_t i = 0; i < 12; ++i) {
+    EXPECT_EQ(ran.numbers[i], static_cast<int>(i));
+    EXPECT_NEAR(static_cast<double>(ran.t_us[i]), 40000.0 * static_cast<double>(i), 2.0);
+  }
 }
 
 TEST(VideoSource, AVideoThatEndsEarlyIsSaidToBeDamaged) {

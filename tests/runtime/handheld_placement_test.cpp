@@ -1,5 +1,7 @@
 #include "cairn/runtime/handheld_placement.hpp"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace {
@@ -81,6 +83,58 @@ TEST(HandheldPlacement, TooFewPointsLeaveThePlaceUnchanged) {
   place.translation = Vector(7.0F, 8.0F, 9.0F);
   EXPECT_FALSE(place_on_ray(table(2), camera_pose(), Vector(0.0F, 0.0F, 1.0F), random, place));
   EXPECT_EQ(place.translation, Vector(7.0F, 8.0F, 9.0F));
+}
+
+/// Three numbers of [0, 1), drawn in this order.
+Vector uniform(Random& random) {
+  Vector v;
+  for (int k = 0; k < 3; ++k) v[k] = 0.001F * static_cast<float>(random.below(1000));
+  return v;
+}
+
+/// `on` points of the table z = 0, and points scattered over a depth of 1 above it.
+Scene cluttered_table(int on, int scattered) {
+  Scene scene;
+  Random random(7);
+  for (int i = 0; i < on + scattered; ++i) {
+    const Vector v = uniform(random);
+    add({2.0F * v.x(), -1.0F + 2.0F * v.y(), i < on ? 0.0F : 0.2F + 0.8F * v.z()}, scene);
+  }
+  return scene;
+}
+
+TEST(HandheldPlacement, AnObjectStandsAtAFeatureOfThePlaneAmongClutter) {
+  const Scene scene = cluttered_table(16, 14);
+  Random random(1);
+  Rigid<float> place;
+  ASSERT_TRUE(place_on_plane(scene, camera_pose(), random, place));
+  EXPECT_NEAR(place.translation.z(), 0.0F, 0.02F);
+  EXPECT_GT((place.rotation * Vector(0.0F, 0.0F, 1.0F)).z(), 0.999F);
+  float nearest = 10.0F;
+  for (const Vector& p : scene.points) nearest = std::min(nearest, (p - place.translation).norm());
+  EXPECT_LT(nearest, 0.05F);
+}
+
+TEST(HandheldPlacement, WithoutAPlaneNothingIsPlacedInTheAir) {
+  Rigid<float> place;
+  place.translation = Vector(7.0F, 8.0F, 9.0F);
+  Random random(3);
+  Random untouched(3);
+  int placed = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Scene scene;
+    Random points(seed);
+    for (int i = 0; i < 30; ++i) {
+      const Vector v = uniform(points) - Vector::Constant(0.5F);
+      const float depth = 3.0F * (1.0F + v.z());
+      scene.add(camera_pose() * (depth * Vector(v.x(), v.y(), 1.0F)), depth);
+    }
+    Rigid<float> anywhere = place;
+    placed += place_on_plane(scene, camera_pose(), random, anywhere) ? 1 : 0;
+    EXPECT_EQ(anywhere.translation == place.translation, true);
+  }
+  EXPECT_EQ(placed, 0);
+  EXPECT_EQ(random.below(1 << 20), untouched.below(1 << 20));
 }
 
 }  // namespace

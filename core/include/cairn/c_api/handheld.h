@@ -73,8 +73,9 @@ cairn_status cairn_handheld_get_health(const cairn_handheld* handheld, cairn_hea
 /** As cairn_vehicle_hash(). */
 uint64_t cairn_handheld_hash(const cairn_handheld* handheld);
 
-/** Puts an object in front of the camera, on the plane of the features where most of them lie on
- * one. CAIRN_NOT_FOUND while too few features are known well; CAIRN_FULL. */
+/** Puts an object in front of the camera on the plane on which most features lie.
+ * CAIRN_NOT_FOUND while too few features are known well, or too few of them lie on one plane:
+ * try again at a later frame. CAIRN_FULL. */
 cairn_status cairn_handheld_place_object(const cairn_handheld* handheld, cairn_objects* objects);
 
 /** Puts an object where the ray of a pixel of the last frame meets the plane of the features, or,

@@ -11,7 +11,8 @@ namespace cairn {
 template <int MaxPoints>
 struct ScenePoints {
   static_assert(MaxPoints <= kMaxPlanePoints, "the plane is fitted to all points");
-  static constexpr int kMinPoints = 10;  ///< fewer say too little
+  static constexpr int kMinPoints = 10;       ///< fewer say too little
+  static constexpr float kTolerance = 0.03F;  ///< of a plane, of the median depth
 
   FixedVector<Vector3<float>, MaxPoints> points;
   FixedVector<float, MaxPoints> depths;  ///< of all points, ascending, each > 0
@@ -27,11 +28,24 @@ struct ScenePoints {
   }
   float median_depth() const { return depths[depths.size() / 2]; }
 
-  /// The plane on which two thirds of the points lie, to 3 % of their median depth.
+  /// So many of the points lie on a plane that they do so by more than chance. A slab of the
+  /// plane's thickness holds a share p = 0.06 of points scattered over a median depth; of n points
+  /// it holds k with a probability of at most exp(-2 n (k / n - p)^2) (Hoeffding 1963). The count
+  /// at which this is one in the number of triples of kMaxPlanePoints, 41664.
+  int least_on_plane() const {
+    constexpr float kShare = 2.0F * kTolerance;
+    constexpr float kDeviations = 2.306F;  // sqrt(ln(41664) / 2)
+    const auto n = static_cast<float>(points.size());
+    return static_cast<int>(kShare * n + kDeviations * sqrt(n)) + 1;
+  }
+
+  /// The plane on which most points lie, to 3 % of their median depth; false where those are not
+  /// least_on_plane().
   bool find_plane(const Rigid<float>& T_map_camera, Random& random, PlaneFit& plane) const {
     PlaneFitOptions options;
-    options.inlier_m = 0.03F * median_depth();
-    options.min_inliers = points.size() * 2 / 3;
+    options.inlier_m = kTolerance * median_depth();
+    options.samples = 64;  // three of half the points are among them but once in 5000 times
+    options.min_inliers = least_on_plane();
     return ok(
         fit_plane(points.data(), points.size(), T_map_camera.translation, options, random, plane));
   }
@@ -57,25 +71,43 @@ inline Rigid<float> upright_in_view(const Rigid<float>& T_map_camera, const Vect
   return {T_map_camera.rotation * R_camera_object, p_map};
 }
 
-/// A place for an object in front of a hand-held camera: on the plane of the features where most of
-/// them lie on one, else upright at their median depth. False while fewer than ten features are
-/// known to a fifth of their depth; `T_map_object` is then unchanged. `random`: the caller's own,
-/// so that placing an object does not change the tracking. `filter`: MonoEkf or WindowTracker.
-/// Cost: fit_plane() with all features.
+/// A place for an object in front of a hand-held camera: on the plane of most of `scene`'s points,
+/// where the one of them stands that is seen nearest to the optical axis, so that the plane is
+/// known there. False while there are fewer than ten points, or too few of them lie on one plane;
+/// `T_map_object` and `random` are then unchanged. Cost: fit_plane() and a pass over the points.
+template <int MaxPoints>
+bool place_on_plane(const ScenePoints<MaxPoints>& scene, const Rigid<float>& T_map_camera,
+                    Random& random, Rigid<float>& T_map_object) {
+  if (scene.points.size() < scene.kMinPoints) return false;
+  Random draws = random;
+  PlaneFit plane;
+  if (!scene.find_plane(T_map_camera, draws, plane)) return false;
+  const Rigid<float> T_camera_map = T_map_camera.inverse();
+  const float limit = scene.kTolerance * scene.median_depth();
+  Vector3<float> foot = plane.centroid;
+  float nearest = -1.0F;
+  for (const Vector3<float>& p_map : scene.points) {
+    if (!(abs(plane.normal.dot(p_map) - plane.offset) < limit)) continue;
+    const Vector3<float> p = T_camera_map * p_map;
+    const float distance = (square(p.x()) + square(p.y())) / square(p.z());
+    if (nearest >= 0.0F && !(distance < nearest)) continue;
+    nearest = distance;
+    foot = p_map;
+  }
+  const Vector3<float> facing = T_map_camera.rotation * Vector3<float>(1.0F, 0.0F, 0.0F);
+  if (!ok(pose_on_plane(plane, foot, facing, T_map_object))) return false;
+  random = draws;
+  return true;
+}
+
+/// place_on_plane() with the features that are known to a fifth of their depth. `random`: the
+/// caller's own, so that placing an object does not change the tracking. `filter`: MonoEkf or
+/// WindowTracker.
 template <class Filter>
 bool place_on_features(const Filter& filter, Random& random, Rigid<float>& T_map_object) {
   ScenePoints<Filter::kMaxFeatures> scene;
   gather_known_features(filter, scene);
-  if (scene.points.size() < scene.kMinPoints) return false;
-  const Rigid<float> T_map_camera = filter.T_world_camera();
-  const Vector3<float> in_front = T_map_camera * Vector3<float>(0.0F, 0.0F, scene.median_depth());
-  PlaneFit plane;
-  if (!scene.find_plane(T_map_camera, random, plane) ||
-      !ok(pose_on_plane(plane, in_front, T_map_camera.rotation * Vector3<float>(1.0F, 0.0F, 0.0F),
-                        T_map_object))) {
-    T_map_object = upright_in_view(T_map_camera, in_front);
-  }
-  return true;
+  return place_on_plane(scene, filter.T_world_camera(), random, T_map_object);
 }
 
 /// Depth along `ray` (camera frame, z 1) at which it meets the plane; 0 where it does not within
