@@ -6,6 +6,6 @@ cd "$(dirname "$0")/.."
 program=build/host/bin/cairn_sim
 [ -x "$program" ] || echo "demo: compiling takes 6 to 10 minutes on two cores, the run a minute"
 scripts/setup.sh --demo
-cmake --preset host -DCAIRN_BUILD_TESTS=OFF -DCAIRN_BUILD_EXAMPLES=OFF
+cmake --preset host -DCAIRN_UNITY_BUILD=ON -DCAIRN_BUILD_TESTS=OFF -DCAIRN_BUILD_EXAMPLES=OFF
 cmake --build --preset host --target cairn_sim
 "$program" run hall --out out/hall --force "$@"
