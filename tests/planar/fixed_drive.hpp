@@ -18,7 +18,9 @@ class FixedDrive {
   using FixedFilter = FixedGroupSlam<MaxLandmarks>;
   using DoubleFilter = GroupIekfSlam<double, MaxLandmarks>;
 
-  explicit FixedDrive(std::uint64_t seed, double gate = 1e9) : random_(seed) {
+  /// `rest_sigmas`: 0 where every update counts.
+  explicit FixedDrive(std::uint64_t seed, double gate = 1e9, double rest_sigmas = 4.0)
+      : random_(seed) {
     const FixedVariance variances[3] = {FixedVariance::nearest(0.04), FixedVariance::nearest(0.01),
                                         FixedVariance::nearest(0.002)};
     FixedPoseCovariance covariance;
@@ -38,6 +40,8 @@ class FixedDrive {
     fixed_parameters.gate = FixedScore::nearest(gate);
     PlanarParameters<double> parameters;
     parameters.gate = gate;
+    fixed_parameters.rest_sigmas = FixedScore::nearest(rest_sigmas);
+    parameters.rest_sigmas = rest_sigmas;
     good_ = ok(fixed_->initialise(pose, covariance, fixed_parameters)) &&
             ok(double_->initialise(start, of_double, parameters));
   }

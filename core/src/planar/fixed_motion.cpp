@@ -64,7 +64,8 @@ bool possible(FixedVariance a, FixedVariance b, FixedVariance covariance) {
       wide::scale(std::int64_t{root_a.mantissa} * root_b.mantissa,
                   FixedVariance::kFractionBits - root_a.bits - root_b.bits, none);
   // Half a unit of each of the three is rounding.
-  return wide::magnitude(covariance.raw()) <= static_cast<std::uint64_t>(most + most / 8192 + 2);
+  const auto limit = static_cast<std::uint64_t>(most);
+  return wide::magnitude(covariance.raw()) <= limit + limit / 8192 + 2;
 }
 
 void FixedMotionNoise::move(const FixedIncrement& increment, const FixedStep& step,
@@ -145,7 +146,8 @@ FixedMotionNoise::Columns FixedMotionNoise::columns(Count& saturations) const {
   c.along[0] = divide_by(x_heading_.raw(), c.heading, kBits, saturations);
   c.along[1] = divide_by(y_heading_.raw(), c.heading, kBits, saturations);
   const auto rest = [&](FixedVariance variance, int i, int j) {
-    return variance.raw() - wide::multiply(c.along[i], c.along[j], kSquared, saturations);
+    return wide::add(variance.raw(), -wide::multiply(c.along[i], c.along[j], kSquared, saturations),
+                     saturations);
   };
   const FixedRoot x = square_root(rest(own_.xx, 0, 0), kVariance);
   c.rest[0] = wide::scale(x.mantissa, kBits - x.bits, saturations);
