@@ -112,6 +112,46 @@ TEST(FixedFilter, WidensAfterLastingRefusalsAsDouble) {
   expect_equal(drive);
 }
 
+/// A road with a post on each side every 10 m, the last 14 of them in the map.
+void drive_road(Drive& drive, int steps) {
+  constexpr double kHeading = 0.5;  // of the start
+  const Vector2<double> ahead(std::cos(kHeading), std::sin(kHeading));
+  const Vector2<double> left(-ahead.y(), ahead.x());
+  for (int k = 0; k < steps; ++k) {
+    drive.move(2.0, 0.0, IncrementModel::kEuler);
+    const int post = k / 5;
+    for (int side = 0; side < 2; ++side) {
+      const auto id = static_cast<LandmarkId>(2 * post + side + 1);
+      const Vector2<double> at = Vector2<double>(3.0, -4.0) + (10.0 * post + 6.0) * ahead +
+                                 (side == 0 ? 5.0 : -5.0) * left;
+      if (drive.fixed().find(id) < 0 && drive.fixed().landmark_count() > 13) {
+        const LandmarkId oldest = id - 14;
+        ASSERT_TRUE(ok(drive.fixed().remove_landmark(drive.fixed().find(oldest))));
+        ASSERT_TRUE(ok(drive.reference().remove_landmark(drive.reference().find(oldest))));
+      }
+      drive.see_point(id, at);
+    }
+    ASSERT_TRUE(drive.good());
+  }
+}
+
+TEST(FixedFilter, EqualsDoubleWhereTheStartIsTwoKilometresAway) {
+  Drive drive(8);
+  drive_road(drive, 900);
+  const Matrix3<double> covariance = drive.reference().pose_covariance();
+  EXPECT_GT(std::sqrt(covariance(1, 1)), 100.0);
+  EXPECT_LT(drive.mean_difference(), 0.05);
+  EXPECT_LT(drive.covariance_difference(), 1e-3);
+  EXPECT_EQ(drive.fixed().saturations(), 0U);
+}
+
+TEST(FixedFilter, CountsThatItWentTooFarAndGoesOn) {
+  Drive drive(8);
+  drive_road(drive, 1400);
+  EXPECT_GT(drive.fixed().saturations(), 0U);
+  EXPECT_EQ(drive.fixed().landmark_count(), 14);
+}
+
 std::uint64_t hash_of(const FixedGroupSlam<16>& filter) {
   Hash64 hash;
   filter.hash(hash);

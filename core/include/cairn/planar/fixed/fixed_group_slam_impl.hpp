@@ -72,6 +72,8 @@ void FixedGroupSlam<MaxLandmarks>::propagate(const FixedIncrement& increment) {
   motion_.move(increment, step, saturations_);
   x_[0] = add(x_[0], step.x, saturations_);
   x_[1] = add(x_[1], step.y, saturations_);
+  // Beyond the reach of a lever arm: counted here, where it is left.
+  for (const FixedCoordinate x : x_) (void)convert<FixedLength>(x, saturations_);
   heading_ = wrapped_angle(std::int64_t{heading_.raw()} + increment.turn.raw());
 }
 
