@@ -29,7 +29,8 @@ struct ConsistencyOptions {
   std::optional<double> steering_noise_deg;
   NoisePoint noise_point = NoisePoint::kReading;
   double steady_s = 0.3;
-  std::vector<std::string> filters{"ekf", "reduced-jacobian", "group-iekf"};
+  std::vector<std::string> filters;  ///< empty: the default
+  std::vector<std::string> scalars;  ///< empty: double
   std::uint64_t seed = 1;
   int threads = 0;
   std::string shard = "1/1";
@@ -53,11 +54,28 @@ Shard parse_shard(const std::string& text) {
   return shard;
 }
 
+/// Every filter with every scalar: a filter in double has the plain name.
+std::vector<std::string> filters_of(const ConsistencyOptions& options) {
+  std::vector<std::string> filters = options.filters;
+  if (filters.empty()) {
+    if (options.scalars.empty()) return {"ekf", "reduced-jacobian", "group-iekf"};
+    filters = {"group-iekf"};
+  }
+  if (options.scalars.empty()) return filters;
+  std::vector<std::string> named;
+  for (const auto& filter : filters) {
+    for (const auto& scalar : options.scalars) {
+      named.push_back(scalar == "double" ? filter : filter + "-" + scalar);
+    }
+  }
+  return named;
+}
+
 ExperimentConfig make_config(const ConsistencyOptions& options) {
   ExperimentConfig config;
   config.runs = options.runs;
   config.seed = options.seed;
-  config.filters = options.filters;
+  config.filters = filters_of(options);
   config.threads = options.threads;
   config.shard = parse_shard(options.shard);
   SimulationConfig& simulation = config.simulation;
@@ -136,9 +154,17 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
                   "Low pass of the readings for --noise-at steady, s")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
-  command.add_option("--filters", options.filters, "Filters, separated by commas")
+  command
+      .add_option("--filters", options.filters,
+                  "Filters, separated by commas; default ekf,reduced-jacobian,group-iekf, with "
+                  "--scalar group-iekf")
+      ->delimiter(',');
+  command
+      .add_option("--scalar", options.scalars,
+                  "Numbers that the core's filters work with, separated by commas: double "
+                  "(default), float, fixed (group-iekf alone)")
       ->delimiter(',')
-      ->capture_default_str();
+      ->check(CLI::IsMember({"double", "float", "fixed"}));
   command.add_option("--seed", options.seed, "Seed of every run")
       ->check(seed_number())
       ->capture_default_str();

@@ -43,7 +43,8 @@ void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("--mode", options.mode, "How the camera moves")
       ->check(CLI::IsMember({"vehicle", "handheld"}));
   command.add_option("--filter", options.filter, "Filter")
-      ->check(CLI::IsMember({"group-iekf", "lifted-iekf", "ekf", "mono", "window"}));
+      ->check(CLI::IsMember(
+          {"group-iekf", "group-iekf-fixed", "lifted-iekf", "ekf", "mono", "window"}));
   command.add_option("--fading", options.fading, "Fading factor S >= 1 of mono, or 'adaptive'");
   command.add_option("--budget-ms", options.budget_ms, "Time budget of a frame, ms")
       ->check(above_zero())

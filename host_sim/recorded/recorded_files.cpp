@@ -209,6 +209,7 @@ json recorded_summary(const Recording& recording, const RecordedRunOptions& opti
   summary["refused_calls"] = run.refused_calls;
   summary["step_us"] = {{"predict", times_json(run.predict)}, {"scan", times_json(run.scan)}};
   summary["health"] = health_json(run.health);
+  summary["health"]["saturations"] = run.saturations;
   summary["log_hash"] = log_hash(run);
   return summary;
 }

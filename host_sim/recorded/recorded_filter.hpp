@@ -56,11 +56,14 @@ class RecordedFilter {
   /// Mean positions alone: cheap enough for every scan.
   virtual void positions(std::vector<LandmarkPosition>& map) const = 0;
   virtual Health health() const = 0;
+  /// Results that did not fit their format, of a filter in fixed point.
+  virtual std::uint32_t saturations() const { return 0; }
   virtual int landmark_count() const = 0;
 };
 
-/// `group-iekf`, `lifted-iekf` or `ekf` with room for 32 landmarks, or for 768 (not lifted-iekf:
-/// 192 there) when `large`. Throws UsageError for another name.
+/// `group-iekf`, `group-iekf-fixed` (without floating point), `lifted-iekf` or `ekf` with room for
+/// 32 landmarks, or for 768 (not lifted-iekf: 192 there) when `large`. Throws UsageError for
+/// another name.
 std::unique_ptr<RecordedFilter> make_recorded_filter(const std::string& name, bool large);
 
 }  // namespace cairn::host

@@ -64,6 +64,7 @@ class Runner {
     }
     run_.landmarks = filter_->landmarks();
     run_.health = filter_->health();
+    run_.saturations = filter_->saturations();
     run_.tentative_dropped = associator_.tentative_dropped();
     return run_;
   }

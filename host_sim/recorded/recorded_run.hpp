@@ -66,6 +66,7 @@ struct RecordedRun {
   StepTimes predict;
   StepTimes scan;  ///< association, update and new landmarks
   Health health;
+  std::uint32_t saturations = 0;  ///< of a filter in fixed point
 };
 
 RecordedRun run_recorded(const Recording& recording, const RecordedRunOptions& options);

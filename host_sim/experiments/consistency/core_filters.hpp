@@ -13,6 +13,9 @@ inline constexpr int kSimulatedCapacity = 64;
 /// sightings hold no outliers, and a gate would cut the tails that the NEES is about.
 std::unique_ptr<FilterUnderTest> make_core_ekf();
 std::unique_ptr<FilterUnderTest> make_core_group_iekf();
+std::unique_ptr<FilterUnderTest> make_core_ekf_float();
+std::unique_ptr<FilterUnderTest> make_core_group_iekf_float();
+std::unique_ptr<FilterUnderTest> make_core_group_iekf_fixed();
 std::unique_ptr<FilterUnderTest> make_core_lifted_iekf();
 std::unique_ptr<FilterUnderTest> make_core_lifted_iekf_moments();
 

@@ -68,6 +68,7 @@ void run_filter(const SimulationConfig& config, const SimulatedRun& run, FilterS
     if (sample != nullptr) sample->poses.push_back(estimate);
     if ((k + 1) % loop_steps == 0) add_landmarks(run, *filter, k / loop_steps, sums);
   }
+  sums.saturations += filter->saturations();
 }
 
 void merge_sums(FilterSums& sums, const FilterSums& other) {
@@ -78,6 +79,7 @@ void merge_sums(FilterSums& sums, const FilterSums& other) {
   for (std::size_t i = 0; i < sums.landmark_count.size(); ++i) {
     sums.landmark_count[i] += other.landmark_count[i];
   }
+  sums.saturations += other.saturations;
   sums.times.predict_s += other.times.predict_s;
   sums.times.update_s += other.times.update_s;
   sums.times.predictions += other.times.predictions;

@@ -42,6 +42,7 @@ struct FilterSums {
   /// Per loop, at its end: sum of the landmarks' NEES, and the number of landmarks, one entry each.
   FixedSums landmark_nees;
   std::vector<std::int64_t> landmark_count;
+  std::int64_t saturations = 0;  ///< of a filter in fixed point
   CallTimes times;
 };
 

@@ -28,7 +28,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-constexpr int kPartialVersion = 2;
+constexpr int kPartialVersion = 3;
 
 json sums_json(const FixedSums& sums) {
   return {{"sums", sums.raw()}, {"clamped", sums.clamped()}};
@@ -99,6 +99,7 @@ void write_partial(const ExperimentResult& result, const fs::path& path) {
                                    {"heading_squared", sums_json(sums.heading_squared)},
                                    {"landmark_nees", sums_json(sums.landmark_nees)},
                                    {"landmark_count", sums.landmark_count},
+                                   {"saturations", sums.saturations},
                                    {"predict_s", sums.times.predict_s},
                                    {"update_s", sums.times.update_s},
                                    {"predictions", sums.times.predictions},
@@ -152,6 +153,7 @@ ExperimentResult parse_partial(const json& document) {
     read_sums(entry.at("heading_squared"), sums.heading_squared);
     read_sums(entry.at("landmark_nees"), sums.landmark_nees);
     entry.at("landmark_count").get_to(sums.landmark_count);
+    entry.at("saturations").get_to(sums.saturations);
     entry.at("predict_s").get_to(sums.times.predict_s);
     entry.at("update_s").get_to(sums.times.update_s);
     entry.at("predictions").get_to(sums.times.predictions);
@@ -208,6 +210,7 @@ json experiment_summary(const ExperimentResult& result) {
     filter["update_flops"] = optional_number(count.per_update);
     filter["clamped_samples"] = sums.nees.clamped() + sums.position_squared.clamped() +
                                 sums.heading_squared.clamped() + sums.landmark_nees.clamped();
+    filter["saturations"] = sums.saturations;
     summary["filters"][sums.filter] = filter;
   }
   return summary;
@@ -219,10 +222,11 @@ std::string experiment_table(const ExperimentResult& result) {
   std::string table = fmt::format(
       "{} runs, start variance {:g} m^2 and {:g} rad^2, odometry {:g} m/s and {:.3g} deg\n"
       "average NEES of (x, y, heading), 95 % band [{:.2f}, {:.2f}]\n"
-      "{:<20} {:>4} {:>9} {:>9} {:>10} {:>12} {:>14} {:>11} {:>10}\n",
+      "{:<20} {:>4} {:>9} {:>9} {:>10} {:>12} {:>14} {:>11} {:>10} {:>10}\n",
       result.runs_done, s.position_variance_m2, s.heading_variance_rad2, s.speed_sigma_mps,
       s.steering_sigma_rad * 180.0 / kPi<double>, band.low, band.high, "filter", "loop", "NEES",
-      "inside %", "position m", "heading rad", "landmark NEES", "predict us", "update us");
+      "inside %", "position m", "heading rad", "landmark NEES", "predict us", "update us",
+      "saturated");
   for (const auto& sums : result.filters) {
     for (int loop = 0; loop < s.loops; ++loop) {
       const LoopFigures f = loop_figures(result, sums, loop);
@@ -230,9 +234,10 @@ std::string experiment_table(const ExperimentResult& result) {
                            loop == 0 ? sums.filter : "", loop + 1, f.nees_mean, f.inside_percent,
                            f.position_rmse_m, f.heading_rmse_rad, f.landmark_nees_mean);
       if (loop == 0) {
-        table += fmt::format(" {:>11.2f} {:>10.2f}",
-                             per_call_us(sums.times.predict_s, sums.times.predictions),
-                             per_call_us(sums.times.update_s, sums.times.updates));
+        table +=
+            fmt::format(" {:>11.2f} {:>10.2f} {:>10}",
+                        per_call_us(sums.times.predict_s, sums.times.predictions),
+                        per_call_us(sums.times.update_s, sums.times.updates), sums.saturations);
       }
       table += '\n';
     }

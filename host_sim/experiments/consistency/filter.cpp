@@ -37,7 +37,10 @@ std::unique_ptr<FilterUnderTest> make_invariant() {
 const std::vector<FilterKind>& filter_kinds() {
   static const std::vector<FilterKind> kinds = {
       {"ekf", kSimulatedCapacity, make_core_ekf},
+      {"ekf-float", kSimulatedCapacity, make_core_ekf_float},
       {"group-iekf", kSimulatedCapacity, make_core_group_iekf},
+      {"group-iekf-float", kSimulatedCapacity, make_core_group_iekf_float},
+      {"group-iekf-fixed", kSimulatedCapacity, make_core_group_iekf_fixed},
       {"lifted-iekf", kSimulatedCapacity, make_core_lifted_iekf},
       {"lifted-iekf-moments", kSimulatedCapacity, make_core_lifted_iekf_moments},
       {"reduced-jacobian", kUnlimited, make_reduced<ReducedLifted::Noise::kJacobian>},

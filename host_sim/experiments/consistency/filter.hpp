@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ class FilterUnderTest {
   /// False when the landmark is not in the map.
   virtual bool landmark(int landmark, LandmarkEstimate& estimate) const = 0;
   virtual int dimension() const = 0;
+  /// Results that did not fit their format, of a filter in fixed point.
+  virtual std::int64_t saturations() const { return 0; }
 };
 
 /// A filter by its name on the command line, for maps of up to `landmarks` landmarks. Throws

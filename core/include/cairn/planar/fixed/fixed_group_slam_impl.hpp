@@ -1,0 +1,260 @@
+#pragma once
+
+#include "cairn/planar/fixed/fixed_group_slam.hpp"
+
+// FixedGroupSlam: start, prediction, map.
+
+namespace cairn {
+
+template <int MaxLandmarks>
+Status FixedGroupSlam<MaxLandmarks>::initialise(const FixedPose& pose,
+                                                const FixedPoseCovariance& covariance,
+                                                const FixedPlanarParameters& parameters) {
+  const FixedCovariance2& c = covariance.position;
+  if (!detail::possible(c.xx, c.yy, c.xy) ||
+      !detail::possible(c.xx, covariance.heading, covariance.x_heading) ||
+      !detail::possible(c.yy, covariance.heading, covariance.y_heading)) {
+    return Status::kInvalidArgument;
+  }
+  const FixedPlanarParameters& p = parameters;
+  const bool sane = p.gate.raw() > 0 && p.reacquire_after >= 0 && p.reacquire_steps >= 0 &&
+                    p.reacquire_steps <= 20 && p.reacquire_position.raw() >= 0 &&
+                    p.reacquire_heading.raw() >= 0 && p.reacquire_landmark_after >= 1 &&
+                    p.reacquire_landmark.raw() >= 0 && p.replace_after >= 0 &&
+                    p.rest_sigmas.raw() >= 0;
+  if (!sane) return Status::kBadConfig;
+  parameters_ = parameters;
+  health_ = Health{};
+  saturations_ = 0;
+  updates_ = 0;
+  slots_.clear();
+  reacquisition_.clear();
+  rest_.clear();
+  heading_ = wrapped_angle(pose.heading.raw());
+  anchor_[0] = pose.x;
+  anchor_[1] = pose.y;
+  for (auto& x : x_) x = FixedCoordinate();
+  factor_.clear();
+  for (int i = 0; i < kPoseStates; ++i) factor_.append();
+  motion_.clear();
+  shared_ = covariance;
+  initialised_ = true;
+  return Status::kOk;
+}
+
+template <int MaxLandmarks>
+Status FixedGroupSlam<MaxLandmarks>::predict(const FixedIncrement& increment) {
+  if (!initialised_) return Status::kNotInitialised;
+  const Status status = detail::validate(increment);
+  if (!ok(status)) return status;
+  if (!rest_.hold(increment)) {
+    end_rest();
+    propagate(increment);
+  }
+  if (reacquisition_.take()) {
+    end_rest();
+    const int doublings = reacquisition_.steps() - 1;
+    const auto widened = [&](auto sigma) {
+      const auto fine = convert<Fixed<std::int64_t, 28>>(sigma, saturations_);
+      const auto variance = multiply<FixedVariance>(fine, fine, saturations_);
+      return FixedVariance::from_raw(wide::scale(variance.raw(), 2 * doublings, saturations_));
+    };
+    motion_.widen(widened(parameters_.reacquire_position), widened(parameters_.reacquire_heading),
+                  saturations_);
+    ++health_.reacquisitions;
+  }
+  return Status::kOk;
+}
+
+template <int MaxLandmarks>
+void FixedGroupSlam<MaxLandmarks>::propagate(const FixedIncrement& increment) {
+  const detail::FixedStep step = detail::fixed_step(increment, heading_, saturations_);
+  motion_.move(increment, step, saturations_);
+  x_[0] = add(x_[0], step.x, saturations_);
+  x_[1] = add(x_[1], step.y, saturations_);
+  // Beyond the reach of a lever arm: counted here, where it is left.
+  for (const FixedCoordinate x : x_) (void)convert<FixedLength>(x, saturations_);
+  heading_ = wrapped_angle(std::int64_t{heading_.raw()} + increment.turn.raw());
+}
+
+/// The vehicle may have moved, or there is something to learn without motion.
+template <int MaxLandmarks>
+void FixedGroupSlam<MaxLandmarks>::end_rest() {
+  if (!rest_.resting()) return;
+  const FixedIncrement held = rest_.held();
+  const bool noise = rest_.holds_noise();
+  rest_.clear();
+  if (noise) propagate(held);
+}
+
+template <int MaxLandmarks>
+Status FixedGroupSlam<MaxLandmarks>::widen_pose(FixedVariance position, FixedVariance heading) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (position.raw() < 0 || heading.raw() < 0) return Status::kInvalidArgument;
+  end_rest();
+  motion_.widen(position, heading, saturations_);
+  return Status::kOk;
+}
+
+/// Adds the noise of the odometry to the factor: -J p (heading) on every point p, and the rest on
+/// the vehicle's position.
+template <int MaxLandmarks>
+void FixedGroupSlam<MaxLandmarks>::absorb_motion() {
+  if (motion_.empty()) return;
+  using Columns = typename detail::FixedMotionNoise::Columns;
+  const Columns c = motion_.columns(saturations_);
+  motion_.clear();
+  const auto turned = [&](FixedLength by) {  // heading x coordinate, Columns::kBits
+    const std::int64_t product = std::int64_t{c.heading.mantissa} * by.raw();
+    return wide::scale(product, Columns::kBits - c.heading.bits - FixedLength::kFractionBits,
+                       saturations_);
+  };
+  std::int32_t* const v = scratch_;
+  const auto enter = [&](int row, std::int64_t value, std::uint64_t more, int fraction) {
+    const int length = wide::bit_length(wide::magnitude(value) | more);
+    const bool room = factor_.make_room(row, 2 * (length + 1 - fraction), saturations_);
+    v[row] = room ? factor_.to_row(row, value, fraction) : 0;
+    return room;
+  };
+  enter(0, c.heading.mantissa, 0, c.heading.bits);
+  const std::int64_t along[2] = {wide::add(c.along[0], turned(vehicle(1)), saturations_),
+                                 wide::add(c.along[1], -turned(vehicle(0)), saturations_)};
+  const bool room[2] = {
+      enter(1, along[0], wide::magnitude(c.rest[0]), Columns::kBits),
+      enter(2, along[1], wide::magnitude(c.rest[1]) | wide::magnitude(c.rest[2]), Columns::kBits)};
+  for (int slot = 0; slot < slots_.size(); ++slot) {
+    const int row = state_of(slot);
+    enter(row, turned(landmark_local(slot, 1)), 0, Columns::kBits);
+    enter(row + 1, -turned(landmark_local(slot, 0)), 0, Columns::kBits);
+  }
+  factor_.absorb(v, 0);
+  const int n = factor_.size();
+  for (int k = 0; k < 2; ++k) {
+    for (int i = 0; i < n; ++i) v[i] = 0;
+    if (k == 0 && room[0]) v[1] = factor_.to_row(1, c.rest[0], Columns::kBits);
+    if (room[1]) v[2] = factor_.to_row(2, c.rest[1 + k], Columns::kBits);
+    factor_.absorb(v, 1 + k);
+  }
+}
+
+/// The error that pose and landmarks have in common by now: no sighting depends on it.
+template <int MaxLandmarks>
+void FixedGroupSlam<MaxLandmarks>::share_pose_error() {
+  shared_ = error_covariance(saturations_);
+  factor_.clear();
+  for (int i = 0; i < kPoseStates; ++i) factor_.append();
+  motion_.clear();
+}
+
+template <int MaxLandmarks>
+Status FixedGroupSlam<MaxLandmarks>::make_room(LandmarkId id, LandmarkId* replaced) {
+  if (id == kNoLandmark) return Status::kInvalidArgument;
+  if (find(id) >= 0) return Status::kDuplicate;
+  if (replaced != nullptr) *replaced = kNoLandmark;
+  if (!slots_.full()) return Status::kOk;
+  const int slot =
+      parameters_.replace_after > 0
+          ? slots_.replaceable(updates_, static_cast<std::uint32_t>(parameters_.replace_after))
+          : -1;
+  if (slot < 0) {
+    ++health_.landmarks_refused;
+    return Status::kFull;
+  }
+  if (replaced != nullptr) *replaced = slots_.id(slot);
+  remove_states(slot);
+  ++health_.landmarks_replaced;
+  return Status::kOk;
+}
+
+template <int MaxLandmarks>
+void FixedGroupSlam<MaxLandmarks>::remove_states(int slot) {
+  const std::int16_t place = order_[slot];
+  factor_.remove_pair(state_of(slot), scratch_);
+  const int last = slots_.size() - 1;
+  order_[slot] = order_[last];
+  for (int axis = 0; axis < 2; ++axis) p_[slot][axis] = p_[last][axis];
+  for (int k = 0; k < last; ++k) {
+    if (order_[k] > place) --order_[k];
+  }
+  slots_.remove_unordered(slot);
+}
+
+template <int MaxLandmarks>
+Status FixedGroupSlam<MaxLandmarks>::remove_landmark(int slot) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
+  remove_states(slot);
+  ++health_.landmarks_removed;
+  return Status::kOk;
+}
+
+template <int MaxLandmarks>
+Status FixedGroupSlam<MaxLandmarks>::add_landmark(LandmarkId id, FixedLength x, FixedLength y,
+                                                  const FixedCovariance2& noise,
+                                                  LandmarkId* replaced) {
+  if (!initialised_) return Status::kNotInitialised;
+  FixedPointObservation seen;
+  seen.x = x;
+  seen.y = y;
+  seen.noise = noise;
+  const Status valid = detail::check(seen);
+  if (!ok(valid)) return valid;
+  const Status status = make_room(id, replaced);
+  if (!ok(status)) return status;
+  end_rest();
+  if (slots_.size() == 0) {
+    share_pose_error();
+  } else {
+    absorb_motion();
+  }
+  const detail::FixedAxes axes(heading_);
+  detail::FixedSighting sighting;
+  (void)linearise(seen, axes, FixedLength(), FixedLength(), FixedLength(), sighting, saturations_);
+  FixedLength world[2];
+  axes.turn(x, y, world[0], world[1], saturations_);
+
+  const int slot = slots_.size();
+  for (int axis = 0; axis < 2; ++axis) {
+    p_[slot][axis] =
+        add(x_[axis], convert<FixedCoordinate>(world[axis], saturations_), saturations_);
+  }
+  order_[slot] = static_cast<std::int16_t>(slot);
+  // Its error: the vehicle's own, and the noise along and across a direction, the two columns
+  // turned so that they are triangular.
+  constexpr int kNoiseBits = FixedOffset::kFractionBits - 1;
+  const auto part = [](FixedRatio direction, FixedOffset sigma) {
+    const std::int64_t product = std::int64_t{direction.raw()} * sigma.raw();
+    return static_cast<std::int32_t>(wide::round_shift(product, FixedRatio::kFractionBits + 1));
+  };
+  std::int32_t first[2] = {part(sighting.cosine, sighting.sigma[0]),
+                           part(sighting.sine, sighting.sigma[0])};
+  std::int32_t second[2] = {part(-sighting.sine, sighting.sigma[1]),
+                            part(sighting.cosine, sighting.sigma[1])};
+  rotate(rotation_onto(first[0], second[0]), first, second, 2);
+  append_row(1, first[0], 0, kNoiseBits);
+  append_row(2, first[1], second[1], kNoiseBits);
+  slots_.push(id, updates_);
+  ++health_.landmarks_added;
+  return Status::kOk;
+}
+
+/// Appends a state with the error of state `from` and noise of its own on the last two columns of
+/// the landmark's.
+template <int MaxLandmarks>
+void FixedGroupSlam<MaxLandmarks>::append_row(int from, std::int64_t first, std::int64_t second,
+                                              int fraction) {
+  constexpr int kBits = 40;
+  const int own = state_of(slots_.size());
+  factor_.append();
+  const auto element = [&](int column) {
+    std::uint32_t none = 0;
+    if (column <= from) {
+      return wide::scale(factor_.at(from, column), kBits - factor_.bits(from), none);
+    }
+    if (column < own) return std::int64_t{0};
+    return wide::scale(column == own ? first : second, kBits - fraction, none);
+  };
+  factor_.set_last_row(kBits, element, saturations_);
+}
+
+}  // namespace cairn

@@ -1,0 +1,103 @@
+#pragma once
+
+#include "cairn/planar/fixed/fixed_group_slam.hpp"
+
+// FixedGroupSlam: pose and landmarks with their covariances, and the hash of all.
+
+namespace cairn {
+
+template <int MaxLandmarks>
+FixedPoseCovariance FixedGroupSlam<MaxLandmarks>::error_covariance(
+    std::uint32_t& saturations) const {
+  FixedPoseCovariance sum = motion_.about(vehicle(0), vehicle(1), saturations);
+  const auto enter = [&](FixedVariance& to, FixedVariance shared, int i, int k) {
+    const auto own = FixedVariance::from_raw(factor_.covariance(i, k, saturations));
+    to = add(add(to, shared, saturations), own, saturations);
+  };
+  enter(sum.heading, shared_.heading, 0, 0);
+  enter(sum.x_heading, shared_.x_heading, 1, 0);
+  enter(sum.y_heading, shared_.y_heading, 2, 0);
+  enter(sum.position.xx, shared_.position.xx, 1, 1);
+  enter(sum.position.xy, shared_.position.xy, 2, 1);
+  enter(sum.position.yy, shared_.position.yy, 2, 2);
+  return sum;
+}
+
+template <int MaxLandmarks>
+FixedPose FixedGroupSlam<MaxLandmarks>::mean_pose() const {
+  std::uint32_t none = 0;
+  return {add(anchor_[0], x_[0], none), add(anchor_[1], x_[1], none), heading_};
+}
+
+template <int MaxLandmarks>
+FixedLandmark FixedGroupSlam<MaxLandmarks>::mean_landmark(int slot) const {
+  std::uint32_t none = 0;
+  return {add(anchor_[0], p_[slot][0], none), add(anchor_[1], p_[slot][1], none), {}};
+}
+
+template <int MaxLandmarks>
+void FixedGroupSlam<MaxLandmarks>::pose(FixedPose& mean, FixedPoseCovariance& covariance) const {
+  std::uint32_t none = 0;
+  const detail::FixedMoments moments =
+      detail::turned_point_moments(vehicle(0), vehicle(1), error_covariance(none), none);
+  covariance = moments.covariance;
+  for (int axis = 0; axis < 2; ++axis) {
+    FixedCoordinate& to = axis == 0 ? mean.x : mean.y;
+    to = add(anchor_[axis], multiply<FixedCoordinate>(x_[axis], moments.shrink, none), none);
+  }
+  mean.heading = heading_;
+}
+
+template <int MaxLandmarks>
+FixedLandmark FixedGroupSlam<MaxLandmarks>::landmark(int slot) const {
+  std::uint32_t none = 0;
+  const int l = state_of(slot);
+  const FixedLength x = landmark_local(slot, 0);
+  const FixedLength y = landmark_local(slot, 1);
+  detail::FixedMotionNoise turn;
+  turn.widen(FixedVariance(), motion_.heading(), none);
+  FixedPoseCovariance sum = turn.about(x, y, none);
+  // What the deferred noise makes of a point is seen by its heading and by the point alone.
+  const auto enter = [&](FixedVariance& to, FixedVariance shared, int i, int k) {
+    const auto own = FixedVariance::from_raw(factor_.covariance(i, k, none));
+    to = add(add(to, shared, none), own, none);
+  };
+  enter(sum.heading, shared_.heading, 0, 0);
+  enter(sum.x_heading, shared_.x_heading, l, 0);
+  enter(sum.y_heading, shared_.y_heading, l + 1, 0);
+  enter(sum.position.xx, shared_.position.xx, l, l);
+  enter(sum.position.xy, shared_.position.xy, l + 1, l);
+  enter(sum.position.yy, shared_.position.yy, l + 1, l + 1);
+  const detail::FixedMoments moments = detail::turned_point_moments(x, y, sum, none);
+  FixedLandmark out;
+  out.x = add(anchor_[0], multiply<FixedCoordinate>(p_[slot][0], moments.shrink, none), none);
+  out.y = add(anchor_[1], multiply<FixedCoordinate>(p_[slot][1], moments.shrink, none), none);
+  out.covariance = moments.covariance.position;
+  return out;
+}
+
+template <int MaxLandmarks>
+void FixedGroupSlam<MaxLandmarks>::hash(Hash64& hash) const {
+  hash.add(heading_.raw());
+  for (int i = 0; i < 2; ++i) {
+    hash.add(x_[i].raw());
+    hash.add(anchor_[i].raw());
+  }
+  for (int slot = 0; slot < slots_.size(); ++slot) {
+    hash.add(slots_.id(slot));
+    for (int i = 0; i < 2; ++i) hash.add(p_[slot][i].raw());
+  }
+  factor_.hash(hash);
+  std::uint32_t none = 0;
+  const FixedPoseCovariance c = error_covariance(none);
+  for (const FixedVariance v :
+       {c.heading, c.x_heading, c.y_heading, c.position.xx, c.position.xy, c.position.yy}) {
+    hash.add(v.raw());
+  }
+  hash.add(static_cast<std::uint8_t>(rest_.resting()));
+  hash.add(rest_.held().distance_variance.raw());
+  hash.add(rest_.held().turn_variance.raw());
+  hash.add(saturations_);
+}
+
+}  // namespace cairn

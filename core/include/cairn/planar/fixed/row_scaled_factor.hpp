@@ -1,0 +1,160 @@
+#pragma once
+
+#include "cairn/base/hash.hpp"
+#include "cairn/numeric/fixed_math.hpp"
+
+namespace cairn {
+
+/// Covariance P = S S^T of up to `Capacity` states as its lower triangular factor S: 32-bit
+/// mantissas, one scale for each row. Row i holds S_ij 2^bits(i), and its length, the standard
+/// deviation of state i, stays below 2^30 of them and near that.
+///
+/// All that changes S turns pairs of its columns (Givens): lengths of rows are kept, so no element
+/// can overflow, scales of rows do not matter, and P is positive semi-definite whatever is rounded.
+template <int Capacity>
+class RowScaledFactor {
+ public:
+  static constexpr int kLeastBits = 20;  ///< standard deviations up to 2^10
+  static constexpr int kMostBits = 50;   ///< smaller ones lose precision
+  /// Scale that an element fits at whose magnitude is `length` bits long at scale 0.
+  static constexpr int kNothing = -10000;
+
+  int size() const { return size_; }
+  int bits(int row) const { return bits_[row]; }
+  /// Element (row, column), column <= row.
+  std::int32_t at(int row, int column) const { return data_[index(row, column)]; }
+
+  void clear() { size_ = 0; }
+  /// Appends a row of zeros.
+  void append() {
+    const int row = size_++;
+    bits_[row] = kMostBits;
+    for (int j = 0; j <= row; ++j) data_[index(row, j)] = 0;
+  }
+  /// Sets the last row's elements by `value(column)`, each with `fraction` bits.
+  template <class Value>
+  void set_last_row(int fraction, const Value& value, std::uint32_t& saturations) {
+    const int row = size_ - 1;
+    std::int64_t largest = 0;
+    for (int j = 0; j <= row; ++j) largest |= static_cast<std::int64_t>(wide::magnitude(value(j)));
+    // A row of up to four such elements.
+    const int length = wide::bit_length(static_cast<std::uint64_t>(largest)) + 1 - fraction;
+    bits_[row] = static_cast<std::int8_t>(bits_for(2 * length, saturations));
+    for (int j = 0; j <= row; ++j) {
+      data_[index(row, j)] =
+          wide::narrow(wide::scale(value(j), bits_[row] - fraction, saturations), saturations);
+    }
+  }
+
+  /// P(i, k) with 44 fraction bits. Cost: min(i, k) multiply-adds.
+  std::int64_t covariance(int i, int k, std::uint32_t& saturations) const {
+    const int last = i < k ? i : k;
+    std::int64_t sum = 0;
+    for (int j = 0; j <= last; ++j) {
+      sum += std::int64_t{data_[index(i, j)]} * data_[index(k, j)];
+    }
+    return wide::scale(sum, 44 - bits_[i] - bits_[k], saturations);
+  }
+
+  /// Adapts the scale of a row to it and to noise whose squared length is below 2^noise; false
+  /// (counted) where there is no room for the noise. Cost: row multiply-adds.
+  bool make_room(int row, int noise, std::uint32_t& saturations) {
+    std::uint64_t squared = 0;
+    const std::int32_t* p = data_ + row;
+    for (int j = 0; j <= row; ++j) {
+      squared += static_cast<std::uint64_t>(std::int64_t{*p} * *p);
+      p += Capacity - 1 - j;
+    }
+    const int own = squared == 0 ? kNothing : wide::bit_length(squared) - 2 * bits_[row];
+    const std::uint32_t before = saturations;
+    const int wanted = bits_for((own > noise ? own : noise) + 1, saturations);
+    if (saturations != before) return false;
+    if (wanted < bits_[row] || wanted > bits_[row] + 1) rescale(row, wanted);
+    return true;
+  }
+  /// `value` with `fraction` bits, at the scale of a row that has room for it.
+  std::int32_t to_row(int row, std::int64_t value, int fraction) const {
+    std::uint32_t none = 0;
+    return wide::narrow(wide::scale(value, bits_[row] - fraction, none), none);
+  }
+
+  /// P += v v^T, v in the scale of its rows, v_i = 0 for i < first; v is spoilt.
+  /// Cost: (n - first)^2 turned elements.
+  void absorb(std::int32_t* v, int first) {
+    for (int j = first; j < size_; ++j) {
+      if (v[j] == 0) continue;
+      std::int32_t* const column = data_ + index(j, j);
+      const PlaneRotation by = rotation_onto(*column, v[j]);
+      rotate(by, column, v + j, size_ - j);
+    }
+  }
+
+  /// Conditions P on a measurement whose row on the columns of S is `a`, zero beyond `last`, with
+  /// noise `sigma`, both in one scale. `sigma` becomes the innovation's standard deviation s, and
+  /// `gain` (n elements, in the scale of the rows) the gain times s. Domain: s below 2^30. Cost: 2
+  /// (n - last / 2) last turned elements.
+  void condition(const std::int32_t* a, int last, std::int32_t& sigma, std::int32_t* gain) {
+    for (int i = 0; i < size_; ++i) gain[i] = 0;
+    for (int j = last; j >= 0; --j) {
+      if (a[j] == 0) continue;
+      PlaneRotation by = rotation_onto(sigma, a[j]);
+      sigma = static_cast<std::int32_t>(
+          wide::round_shift(std::int64_t{by.cosine} * sigma + std::int64_t{by.sine} * a[j], 30));
+      rotate(by, gain + j, data_ + index(j, j), size_ - j);
+    }
+  }
+
+  /// Removes two rows, the ones behind move up. `scratch`: 2 n elements. Cost: as absorb() twice.
+  void remove_pair(int first, std::int32_t* scratch) {
+    std::int32_t* const lost[2] = {scratch, scratch + Capacity};
+    for (int k = 0; k < 2; ++k) {
+      for (int i = first + 2; i < size_; ++i) lost[k][i - 2] = at(i, first + k);
+    }
+    for (int j = 0; j < first; ++j) {
+      for (int i = first + 2; i < size_; ++i) data_[index(i - 2, j)] = at(i, j);
+    }
+    for (int j = first + 2; j < size_; ++j) {
+      for (int i = j; i < size_; ++i) data_[index(i - 2, j - 2)] = at(i, j);
+    }
+    for (int i = first + 2; i < size_; ++i) bits_[i - 2] = bits_[i];
+    size_ -= 2;
+    for (auto* vector : lost) absorb(vector, first);
+  }
+
+  void hash(Hash64& hash) const {
+    hash.add(static_cast<std::int32_t>(size_));
+    for (int i = 0; i < size_; ++i) {
+      hash.add(static_cast<std::int32_t>(bits_[i]));
+      for (int j = 0; j <= i; ++j) hash.add(at(i, j));
+    }
+  }
+
+ private:
+  /// Columns one after the other, each with room for all rows below its diagonal.
+  static constexpr int index(int row, int column) {
+    return column * Capacity - column * (column + 1) / 2 + row;
+  }
+
+  /// Scale at which a squared length below 2^squared is below 2^60.
+  static int bits_for(int squared, std::uint32_t& saturations) {
+    const int bits = squared <= 60 - 2 * kMostBits ? kMostBits : (60 - squared) >> 1;
+    if (bits >= kLeastBits) return bits;
+    ++saturations;
+    return kLeastBits;
+  }
+  void rescale(int row, int bits) {
+    const int shift = bits - bits_[row];
+    for (int j = 0; j <= row; ++j) {
+      std::int32_t& element = data_[index(row, j)];
+      element = shift >= 0 ? element * (std::int32_t{1} << shift)
+                           : static_cast<std::int32_t>(wide::round_shift(element, -shift));
+    }
+    bits_[row] = static_cast<std::int8_t>(bits);
+  }
+
+  std::int32_t data_[Capacity * (Capacity + 1) / 2] = {};
+  std::int8_t bits_[Capacity] = {};
+  int size_ = 0;
+};
+
+}  // namespace cairn

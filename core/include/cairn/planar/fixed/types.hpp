@@ -1,0 +1,110 @@
+#pragma once
+
+#include "cairn/estimation/observation.hpp"
+#include "cairn/numeric/fixed_math.hpp"
+#include "cairn/planar/increment.hpp"
+
+namespace cairn {
+
+// Formats and messages of the planar filter without floating point; why these formats:
+// docs/explanation/fixed-point.md.
+
+using FixedCoordinate = Fixed<std::int64_t, 32>;  ///< m
+using FixedLength = Fixed<std::int32_t, 20>;      ///< m, +-2048
+using FixedOffset = Fixed<std::int32_t, 24>;      ///< m, +-128
+using FixedVariance = Fixed<std::int64_t, 44>;    ///< m^2, m rad, rad^2, up to 524288
+using FixedScore = Fixed<std::int32_t, 16>;       ///< squared Mahalanobis distance, up to 32768
+
+/// Pose in the world, as PlanarPose.
+struct FixedPose {
+  FixedCoordinate x;
+  FixedCoordinate y;
+  FixedAngle heading;
+};
+
+/// Covariance of (x, y), m^2.
+struct FixedCovariance2 {
+  FixedVariance xx;
+  FixedVariance xy;
+  FixedVariance yy;
+};
+
+/// Covariance of (x, y, heading).
+struct FixedPoseCovariance {
+  FixedCovariance2 position;
+  FixedVariance x_heading;
+  FixedVariance y_heading;
+  FixedVariance heading;
+};
+
+/// Position and covariance of a landmark in the world.
+struct FixedLandmark {
+  FixedCoordinate x;
+  FixedCoordinate y;
+  FixedCovariance2 covariance;
+};
+
+/// One odometry step, as PlanarIncrement.
+struct FixedIncrement {
+  FixedOffset distance;
+  FixedAngle turn;
+  FixedVariance distance_variance;
+  FixedVariance distance_turn;  ///< covariance
+  FixedVariance turn_variance;
+  IncrementModel model = IncrementModel::kEuler;
+};
+
+/// As PointObservation.
+struct FixedPointObservation {
+  LandmarkId id = kNoLandmark;
+  FixedLength x;  ///< forward
+  FixedLength y;  ///< left
+  FixedCovariance2 noise;
+};
+
+/// As RangeBearingObservation.
+struct FixedRangeBearingObservation {
+  LandmarkId id = kNoLandmark;
+  FixedLength range;
+  FixedAngle bearing;
+  FixedLength sigma_range;
+  FixedAngle sigma_bearing;
+};
+
+/// As RangeBearingPrediction.
+struct FixedRangeBearingPrediction {
+  FixedLength range;
+  FixedAngle bearing;
+  FixedVariance range_variance;
+  FixedVariance range_bearing;  ///< covariance
+  FixedVariance bearing_variance;
+};
+
+/// Settings, as those of PlanarParameters of the same names, with their defaults.
+struct FixedPlanarParameters {
+  FixedScore gate = kGate;  ///< FixedScore::most(): none
+  int reacquire_after = 10;
+  int reacquire_steps = 6;
+  FixedLength reacquire_position = kReacquireDistance;
+  FixedAngle reacquire_heading = kReacquireHeading;
+  int reacquire_landmark_after = 40;
+  FixedLength reacquire_landmark = kReacquireDistance;
+  int replace_after = 20;
+  FixedScore rest_sigmas = kRestSigmas;
+
+ private:
+  static constexpr FixedScore kGate = FixedScore::nearest(13.82);
+  static constexpr FixedLength kReacquireDistance = FixedLength::nearest(0.05);
+  static constexpr FixedAngle kReacquireHeading = FixedAngle::nearest(0.01);
+  static constexpr FixedScore kRestSigmas = FixedScore::nearest(4.0);
+};
+
+/// What an update did, as UpdateReport.
+struct FixedUpdateReport {
+  int matches = 0;
+  int gated = 0;
+  FixedCoordinate nis;  ///< of the used matches, summed
+  int nis_dof = 0;
+};
+
+}  // namespace cairn

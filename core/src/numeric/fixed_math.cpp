@@ -1,0 +1,216 @@
+#include "cairn/numeric/fixed_math.hpp"
+
+#include "cairn/numeric/math.hpp"
+
+namespace cairn {
+namespace {
+
+constexpr std::int64_t kHalfPi32 = 6746518852;  // pi / 2 in 2^-32
+constexpr std::int64_t kTwoPi28 = 1686629713;   // 2 pi in 2^-28
+
+constexpr std::int32_t q30(double value) {
+  return Fixed<std::int32_t, 30>::nearest(value).raw();
+}
+/// a b with 30 fraction bits each, and in the product.
+std::int32_t times(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>(wide::round_shift(std::int64_t{a} * b, 30));
+}
+
+/// 2^15 / sqrt(m) at the middles of the 96 intervals of width 1/32 from 1 to 4.
+struct RootTable {
+  std::uint16_t seeds[96] = {};
+  constexpr RootTable() {
+    for (int k = 0; k < 96; ++k) {
+      const std::uint64_t middle = 65 + 2 * static_cast<std::uint64_t>(k);  // of 64
+      // Largest s with s^2 m <= 2^30.
+      std::uint64_t s = 0;
+      for (std::uint64_t bit = 1U << 15U; bit > 0; bit >>= 1U) {
+        if ((s + bit) * (s + bit) * middle <= std::uint64_t{1} << 36U) s += bit;
+      }
+      seeds[k] = static_cast<std::uint16_t>(s);
+    }
+  }
+};
+constexpr RootTable kRootTable;
+
+/// 2^31 / sqrt(m / 2^30) of m in [2^30, 2^32).
+std::uint32_t inverse_root(std::uint32_t m) {
+  std::uint32_t y = static_cast<std::uint32_t>(kRootTable.seeds[(m >> 25U) - 32]) << 16U;
+  for (int i = 0; i < 3; ++i) {
+    // y <- y (3 - m y^2) / 2; y^2 with 30 fraction bits, m y^2 near 1 with 30.
+    const auto squared = static_cast<std::uint32_t>((std::uint64_t{y} * y + (1U << 31U)) >> 32U);
+    const auto product =
+        static_cast<std::uint32_t>((std::uint64_t{m} * squared + (1U << 29U)) >> 30U);
+    const std::uint32_t factor = (3U << 30U) - product;
+    y = static_cast<std::uint32_t>((std::uint64_t{y} * factor + (1U << 30U)) >> 31U);
+  }
+  return y;
+}
+
+constexpr int kRootCorrections = 8;
+
+constexpr int kAtanSteps = 14;  // then the angle left is below 2^-13, and its own tangent
+/// atan(2^-k) with 29 fraction bits.
+struct AtanTable {
+  std::int32_t angles[kAtanSteps] = {};
+  constexpr AtanTable() {
+    for (int k = 0; k < kAtanSteps; ++k) {
+      double t = 1.0;
+      for (int i = 0; i < k; ++i) t *= 0.5;
+      // atan(1) by Machin's formula, the others by their series.
+      const double angle = k == 0 ? 4.0 * series(0.2) - series(1.0 / 239.0) : series(t);
+      angles[k] = Fixed<std::int32_t, 29>::nearest(angle).raw();
+    }
+  }
+  static constexpr double series(double t) {
+    double sum = 0.0;
+    double power = t;
+    for (int n = 0; n < 30; ++n) {
+      sum += (n % 2 == 0 ? power : -power) / (2 * n + 1);
+      power *= t * t;
+    }
+    return sum;
+  }
+};
+constexpr AtanTable kAtanTable;
+
+}  // namespace
+
+void sin_cos(FixedAngle angle, FixedRatio& sine, FixedRatio& cosine) {
+  // Nearest multiple of a right angle: at most 5 of them.
+  constexpr std::int64_t kPerTurn = 683565276;  // 2 / pi in 2^-30
+  const auto quarter =
+      static_cast<int>(wide::round_shift(std::int64_t{angle.raw()} * kPerTurn, 58));
+  const std::int64_t rest = std::int64_t{angle.raw()} * 16 - quarter * kHalfPi32;  // 2^-32
+  const auto r = static_cast<std::int32_t>(wide::round_shift(rest, 2));
+  const std::int32_t x = times(r, r);
+  std::int32_t s = q30(-1.0 / 39916800.0);
+  s = q30(1.0 / 362880.0) + times(x, s);
+  s = q30(-1.0 / 5040.0) + times(x, s);
+  s = q30(1.0 / 120.0) + times(x, s);
+  s = q30(-1.0 / 6.0) + times(x, s);
+  s = r + times(r, times(x, s));
+  std::int32_t c = q30(-1.0 / 3628800.0);
+  c = q30(1.0 / 40320.0) + times(x, c);
+  c = q30(-1.0 / 720.0) + times(x, c);
+  c = q30(1.0 / 24.0) + times(x, c);
+  c = q30(-0.5) + times(x, c);
+  c = q30(1.0) + times(x, c);
+  const bool swapped = quarter % 2 != 0;
+  const int turn = quarter & 3;
+  const std::int32_t first = swapped ? c : s;
+  const std::int32_t second = swapped ? s : c;
+  sine = FixedRatio::from_raw(turn >= 2 ? -first : first);
+  cosine = FixedRatio::from_raw(turn == 1 || turn == 2 ? -second : second);
+}
+
+FixedAngle atan2(std::int64_t y, std::int64_t x) {
+  if (x == 0 && y == 0) return {};
+  // To 29 bits: the vector grows by 1.65 on its way to the x axis.
+  const std::uint64_t larger =
+      wide::magnitude(x) > wide::magnitude(y) ? wide::magnitude(x) : wide::magnitude(y);
+  const int shift = 29 - wide::bit_length(larger);
+  std::uint32_t none = 0;
+  auto a = static_cast<std::int32_t>(wide::scale(x, shift, none));
+  auto b = static_cast<std::int32_t>(wide::scale(y, shift, none));
+  std::int32_t angle = 0;  // 2^-29
+  constexpr std::int32_t kPi29 = Fixed<std::int32_t, 29>::nearest(kPi<double>).raw();
+  if (a < 0) {
+    angle = b >= 0 ? kPi29 : -kPi29;
+    a = -a;
+    b = -b;
+  }
+  for (int k = 0; k < kAtanSteps; ++k) {
+    const auto up = static_cast<std::int32_t>(wide::round_shift(a, k));
+    const auto across = static_cast<std::int32_t>(wide::round_shift(b, k));
+    const bool left = b > 0;
+    a += left ? across : -across;
+    b -= left ? up : -up;
+    angle += left ? kAtanTable.angles[k] : -kAtanTable.angles[k];
+  }
+  angle += static_cast<std::int32_t>(wide::divide(b, a, 29, none));
+  const auto result = static_cast<std::int32_t>(wide::round_shift(angle, 1));
+  return FixedAngle::from_raw(result <= -kFixedPi.raw() ? kFixedPi.raw() : result);
+}
+
+FixedAngle wrapped_angle(std::int64_t angle_raw) {
+  const std::int64_t pi = kFixedPi.raw();
+  if (angle_raw > -pi && angle_raw <= pi) {
+    return FixedAngle::from_raw(static_cast<std::int32_t>(angle_raw));
+  }
+  std::int64_t rest = angle_raw % kTwoPi28;
+  if (rest > pi) rest -= kTwoPi28;
+  if (rest <= -pi) rest += kTwoPi28;
+  if (rest > pi) rest = pi;
+  return FixedAngle::from_raw(static_cast<std::int32_t>(rest));
+}
+
+std::int64_t exp_negative_44(std::int64_t x) {
+  constexpr int kBits = 44;
+  constexpr std::int64_t kOne = std::int64_t{1} << kBits;
+  constexpr std::int64_t kLn2 = 12193974156573;  // ln 2 in 2^-44
+  constexpr int kTerms = 16;
+  if (x <= 0) return kOne;
+  if (x >= 32 * kOne) return 0;
+  const auto halvings = static_cast<int>(x / kLn2);
+  const std::int64_t r = x - halvings * kLn2;
+  std::uint32_t none = 0;
+  std::int64_t sum = kOne;
+  for (int n = kTerms; n > 0; --n) sum = kOne - wide::multiply(sum, r, kBits, none) / n;
+  return wide::round_shift(sum, halvings);
+}
+
+FixedRoot square_root(std::int64_t value, int bits) {
+  if (value <= 0) return {};
+  int shift = 61 - wide::bit_length(static_cast<std::uint64_t>(value));
+  if ((bits + shift) % 2 != 0) --shift;
+  const std::uint64_t scaled = shift >= 0
+                                   ? static_cast<std::uint64_t>(value) << shift
+                                   : static_cast<std::uint64_t>(wide::round_shift(value, -shift));
+  // scaled = m 2^(2 half): its root by the inverse's, right to two units.
+  const int half = (wide::bit_length(scaled) - 1) / 2 - 15;
+  const std::uint32_t m = static_cast<std::uint32_t>(scaled >> (2 * half));
+  const std::uint64_t product = std::uint64_t{m} * inverse_root(m);
+  std::uint64_t root = product >> (46 - half);
+  for (int i = 0; i < kRootCorrections && root * root > scaled; ++i) --root;
+  for (int i = 0; i < kRootCorrections && (root + 1) * (root + 1) <= scaled; ++i) ++root;
+  FixedRoot result;
+  result.mantissa = static_cast<std::int32_t>(scaled - root * root > root ? root + 1 : root);
+  result.bits = (bits + shift) / 2;
+  return result;
+}
+
+PlaneRotation rotation_onto(std::int32_t a, std::int32_t b) {
+  PlaneRotation rotation;
+  const std::uint64_t squared = static_cast<std::uint64_t>(std::int64_t{a} * a) +
+                                static_cast<std::uint64_t>(std::int64_t{b} * b);
+  if (b == 0 && a >= 0) return rotation;
+  // squared = m 2^(2 e) with m / 2^30 in [1, 4): r = 2^(15 + e) sqrt(m / 2^30).
+  const int length = wide::bit_length(squared);
+  const int half = (length - 1) / 2 - 15;
+  const auto m =
+      static_cast<std::uint32_t>(half >= 0 ? squared >> (2 * half) : squared << (-2 * half));
+  const std::uint32_t y = inverse_root(m);
+  // a / r = a y / 2^(46 + half); 30 fraction bits.
+  const int shift = 16 + half;
+  rotation.cosine = static_cast<std::int32_t>(wide::round_shift(std::int64_t{a} * y, shift));
+  rotation.sine = static_cast<std::int32_t>(wide::round_shift(std::int64_t{b} * y, shift));
+  return rotation;
+}
+
+void rotate(PlaneRotation by, std::int32_t* a, std::int32_t* b, int count) {
+  constexpr std::int64_t kHalf = std::int64_t{1} << 29;
+  const std::int32_t c = by.cosine;
+  const std::int32_t s = by.sine;
+  const std::int32_t minus_s = -by.sine;  // sums alone: one multiply-add each
+  for (int i = 0; i < count; ++i) {
+    const std::int32_t x = a[i];
+    const std::int32_t y = b[i];
+    const std::int64_t first = kHalf + std::int64_t{c} * x + std::int64_t{s} * y;
+    const std::int64_t second = kHalf + std::int64_t{c} * y + std::int64_t{minus_s} * x;
+    a[i] = static_cast<std::int32_t>(first >> 30);
+    b[i] = static_cast<std::int32_t>(second >> 30);
+  }
+}
+
+}  // namespace cairn

@@ -1,0 +1,223 @@
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "fixed_drive.hpp"
+
+namespace cairn {
+namespace {
+
+using Drive = planar_test::FixedDrive<16>;
+using Landmark = std::pair<LandmarkId, Vector2<double>>;
+
+constexpr double kSameMean = 2e-5;        // m, rad
+constexpr double kSameCovariance = 2e-6;  // of the deviations
+
+std::array<Landmark, 12> ring() {
+  std::array<Landmark, 12> landmarks;
+  for (int i = 0; i < 12; ++i) {
+    const double angle = 0.5 * i;
+    landmarks[static_cast<std::size_t>(i)] = {
+        static_cast<LandmarkId>(i + 1),
+        Vector2<double>(3.0 + (6.0 + 0.3 * i) * std::cos(angle), 2.0 + 6.0 * std::sin(angle))};
+  }
+  return landmarks;
+}
+
+void expect_equal(const Drive& drive) {
+  ASSERT_TRUE(drive.good());
+  EXPECT_LT(drive.mean_difference(), kSameMean);
+  EXPECT_LT(drive.covariance_difference(), kSameCovariance);
+}
+
+TEST(FixedFilter, EqualsDoubleWithPointsOfCorrelatedNoise) {
+  Drive drive(1);
+  const auto landmarks = ring();
+  for (int k = 0; k < 240; ++k) {
+    drive.move(0.1, 0.03, IncrementModel::kEuler);
+    const auto& [id, position] = landmarks[static_cast<std::size_t>(k % 12)];
+    drive.see_point(id, position);
+    if (k % 60 == 59) expect_equal(drive);
+  }
+  EXPECT_EQ(drive.fixed().landmark_count(), 12);
+  EXPECT_EQ(drive.fixed().saturations(), 0U);
+}
+
+TEST(FixedFilter, EqualsDoubleWithRangesAndBearings) {
+  Drive drive(2);
+  const auto landmarks = ring();
+  for (const auto& [id, position] : landmarks) drive.see_point(id, position);
+  for (int k = 0; k < 120; ++k) {
+    drive.move(0.1, 0.05, IncrementModel::kExactArc);
+    drive.move(0.05, -0.02, IncrementModel::kExactArc);
+    drive.see_ranges(landmarks, 0.3);
+  }
+  expect_equal(drive);
+  for (int slot = 0; slot < 12; ++slot) {
+    FixedRangeBearingPrediction fixed;
+    RangeBearingPrediction<double> expected;
+    ASSERT_TRUE(ok(drive.fixed().predict_range_bearing(slot, FixedLength::nearest(0.3),
+                                                       FixedLength::nearest(0.1),
+                                                       FixedAngle::nearest(0.02), fixed)));
+    ASSERT_TRUE(ok(drive.reference().predict_range_bearing(slot, 0.3, 0.1, 0.02, expected)));
+    EXPECT_NEAR(fixed.range.to_double(), expected.range, kSameMean);
+    EXPECT_NEAR(fixed.bearing.to_double(), expected.bearing, kSameMean);
+    EXPECT_NEAR(fixed.range_variance.to_double(), expected.covariance(0, 0), 1e-6);
+    EXPECT_NEAR(fixed.range_bearing.to_double(), expected.covariance(0, 1), 1e-6);
+    EXPECT_NEAR(fixed.bearing_variance.to_double(), expected.covariance(1, 1), 1e-6);
+  }
+}
+
+TEST(FixedFilter, EqualsDoubleWhereLandmarksComeAndGo) {
+  Drive drive(3);
+  const auto landmarks = ring();
+  for (int k = 0; k < 300; ++k) {
+    drive.move(0.1, 0.04, IncrementModel::kEuler);
+    const auto& [id, position] = landmarks[static_cast<std::size_t>(5 * k % 12)];
+    drive.see_point(id, position);
+    if (k % 7 != 6) continue;
+    const LandmarkId gone = landmarks[static_cast<std::size_t>(k % 12)].first;
+    const int slot = drive.fixed().find(gone);
+    if (slot < 0) continue;
+    ASSERT_TRUE(ok(drive.fixed().remove_landmark(slot)));
+    ASSERT_TRUE(ok(drive.reference().remove_landmark(drive.reference().find(gone))));
+  }
+  expect_equal(drive);
+}
+
+TEST(FixedFilter, RestsWhereDoubleRests) {
+  Drive drive(4, 13.82);
+  const auto landmarks = ring();
+  for (const auto& [id, position] : landmarks) drive.see_point(id, position);
+  for (int k = 0; k < 60; ++k) {
+    const bool rests = k % 20 > 8;
+    drive.move(rests ? 0.0 : 0.1, rests ? 0.0 : 0.02, IncrementModel::kEuler);
+    drive.see_ranges(landmarks, 0.0);
+    ASSERT_TRUE(drive.good()) << k;
+  }
+  expect_equal(drive);
+}
+
+TEST(FixedFilter, WidensAfterLastingRefusalsAsDouble) {
+  Drive drive(5, 13.82);
+  const auto landmarks = ring();
+  for (const auto& [id, position] : landmarks) drive.see_point(id, position);
+  for (int k = 0; k < 60; ++k) {
+    drive.move(0.1, 0.02, IncrementModel::kEuler);
+    drive.see_ranges(landmarks, 0.0, k > 5 ? 0.4 : 0.0);
+  }
+  ASSERT_TRUE(drive.good());
+  EXPECT_GT(drive.fixed().health().reacquisitions, 0U);
+  EXPECT_EQ(drive.fixed().health().reacquisitions, drive.reference().health().reacquisitions);
+  expect_equal(drive);
+}
+
+/// A road with a post on each side every 10 m, the last 14 of them in the map.
+void drive_road(Drive& drive, int steps) {
+  constexpr double kHeading = 0.5;  // of the start
+  const Vector2<double> ahead(std::cos(kHeading), std::sin(kHeading));
+  const Vector2<double> left(-ahead.y(), ahead.x());
+  for (int k = 0; k < steps; ++k) {
+    drive.move(2.0, 0.0, IncrementModel::kEuler);
+    const int post = k / 5;
+    for (int side = 0; side < 2; ++side) {
+      const auto id = static_cast<LandmarkId>(2 * post + side + 1);
+      const Vector2<double> at = Vector2<double>(3.0, -4.0) + (10.0 * post + 6.0) * ahead +
+                                 (side == 0 ? 5.0 : -5.0) * left;
+      if (drive.fixed().find(id) < 0 && drive.fixed().landmark_count() > 13) {
+        const LandmarkId oldest = id - 14;
+        ASSERT_TRUE(ok(drive.fixed().remove_landmark(drive.fixed().find(oldest))));
+        ASSERT_TRUE(ok(drive.reference().remove_landmark(drive.reference().find(oldest))));
+      }
+      drive.see_point(id, at);
+    }
+    ASSERT_TRUE(drive.good());
+  }
+}
+
+TEST(FixedFilter, EqualsDoubleWhereTheStartIsTwoKilometresAway) {
+  Drive drive(8);
+  drive_road(drive, 900);
+  const Matrix3<double> covariance = drive.reference().pose_covariance();
+  EXPECT_GT(std::sqrt(covariance(1, 1)), 100.0);
+  EXPECT_LT(drive.mean_difference(), 0.05);
+  EXPECT_LT(drive.covariance_difference(), 1e-3);
+  EXPECT_EQ(drive.fixed().saturations(), 0U);
+}
+
+TEST(FixedFilter, CountsThatItWentTooFarAndGoesOn) {
+  Drive drive(8);
+  drive_road(drive, 1400);
+  EXPECT_GT(drive.fixed().saturations(), 0U);
+  EXPECT_EQ(drive.fixed().landmark_count(), 14);
+}
+
+std::uint64_t hash_of(const FixedGroupSlam<16>& filter) {
+  Hash64 hash;
+  filter.hash(hash);
+  return hash.value();
+}
+
+TEST(FixedFilter, RefusesWhatItCannotUseAndStaysAsItWas) {
+  FixedGroupSlam<16> unused;
+  FixedUpdateReport report;
+  EXPECT_EQ(unused.predict({}), Status::kNotInitialised);
+  EXPECT_EQ(unused.update_points({}, report), Status::kNotInitialised);
+
+  Drive drive(6);
+  drive.see_point(1, {6.0, 2.0});
+  FixedGroupSlam<16>& filter = drive.fixed();
+  const std::uint64_t before = hash_of(filter);
+  FixedIncrement increment;
+  increment.turn_variance = FixedVariance::from_raw(-1);
+  EXPECT_EQ(filter.predict(increment), Status::kInvalidArgument);
+  increment.turn_variance = FixedVariance::nearest(1e-4);
+  increment.distance_variance = FixedVariance::nearest(1e-4);
+  increment.distance_turn = FixedVariance::nearest(1.1e-4);
+  EXPECT_EQ(filter.predict(increment), Status::kInvalidArgument);
+  increment.distance_turn = FixedVariance();
+  increment.turn = FixedAngle::nearest(3.2);
+  EXPECT_EQ(filter.predict(increment), Status::kInvalidArgument);
+  FixedPointObservation point;
+  point.id = 1;
+  EXPECT_EQ(filter.update_points({&point, 1}, report), Status::kInvalidArgument);
+  FixedRangeBearingObservation range;
+  range.id = 1;
+  EXPECT_EQ(filter.update_range_bearing({&range, 1}, {}, report), Status::kInvalidArgument);
+  const FixedCovariance2 noise = {FixedVariance::nearest(0.01), {}, FixedVariance::nearest(0.01)};
+  EXPECT_EQ(filter.add_landmark(kNoLandmark, {}, {}, noise), Status::kInvalidArgument);
+  EXPECT_EQ(filter.add_landmark(1, {}, {}, noise), Status::kDuplicate);
+  EXPECT_EQ(filter.add_landmark(2, {}, {}, {}), Status::kInvalidArgument);
+  EXPECT_EQ(filter.remove_landmark(5), Status::kNotFound);
+  EXPECT_EQ(filter.widen_pose(FixedVariance::from_raw(-1), {}), Status::kInvalidArgument);
+  FixedPlanarParameters parameters;
+  parameters.gate = FixedScore();
+  EXPECT_EQ(filter.initialise({}, {}, parameters), Status::kBadConfig);
+  EXPECT_EQ(hash_of(filter), before);
+}
+
+/// No noise, and noise far better than the map: the factor stays what it is.
+TEST(FixedFilter, SurvivesExactOdometryAndExactSightings) {
+  Drive drive(7);
+  const auto landmarks = ring();
+  for (const auto& [id, position] : landmarks) drive.see_point(id, position);
+  FixedGroupSlam<16>& filter = drive.fixed();
+  FixedIncrement step;
+  step.distance = FixedOffset::nearest(0.1);
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_TRUE(ok(filter.predict(step)));
+    FixedPointObservation point;
+    point.id = 3;
+    point.x = FixedLength::nearest(4.0);
+    point.noise = {FixedVariance::from_raw(1), {}, FixedVariance::from_raw(1)};
+    FixedUpdateReport report;
+    ASSERT_TRUE(ok(filter.update_points({&point, 1}, report)));
+  }
+  for (int slot = 0; slot < 12; ++slot) {
+    EXPECT_GE(filter.landmark(slot).covariance.xx.raw(), 0);
+    EXPECT_GE(filter.landmark(slot).covariance.yy.raw(), 0);
+  }
+}
+
+}  // namespace
+}  // namespace cairn
