@@ -90,7 +90,7 @@ class VehicleAdapter : public Tracker {
     estimate.x_m = static_cast<double>(pose.position.x());
     estimate.y_m = static_cast<double>(pose.position.y());
     estimate.theta_rad = static_cast<double>(pose.heading);
-    estimate.covariance = core_->filter().pose_covariance().template cast<double>();
+    estimate.covariance = core_->pose_covariance().template cast<double>();
     return estimate;
   }
   std::optional<MountOffset> mount_offset() const override { return core_->mount_offset(); }

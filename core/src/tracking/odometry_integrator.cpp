@@ -6,6 +6,8 @@
 namespace cairn {
 namespace {
 
+constexpr float kExcessWindow_s = 0.25F;
+
 float larger(float a, float b) {
   return a > b ? a : b;
 }
@@ -46,6 +48,13 @@ void OdometryIntegrator::count_from(std::int64_t t_us) {
 
 float OdometryIntegrator::seconds_since_sample(std::int64_t t_us) const {
   const std::int64_t since_us = difference_us(t_us, motion_.t_us);
+  return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;
+}
+
+/// Since the sample, or the image, that tells the motion held.
+float OdometryIntegrator::seconds_since_known(std::int64_t t_us) const {
+  if (!by_images_) return seconds_since_sample(t_us);
+  const std::int64_t since_us = difference_us(t_us, corrected_us_);
   return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;
 }
 
@@ -104,10 +113,59 @@ void OdometryIntegrator::fade_slip(float step_s) {
   slip_mps_ *= kLasts_s / (kLasts_s + step_s);
 }
 
-void OdometryIntegrator::note_image_update(float ahead_m, float step_s) {
+/// While the images hold the motion a sample is compared with what they show; while they are blind,
+/// nothing contradicts it.
+bool OdometryIntegrator::is_contradicted(const OdometrySample& sample) {
+  if (!contradicted_) return false;
+  const float dt_s = seconds_since_sample(sample.t_us);
+  const float excess = motion_.speed_mps - sample.speed_mps;
+  excess_mps_ += dt_s / (dt_s + kExcessWindow_s) * (excess - excess_mps_);
+  const bool agrees = abs(excess_mps_) < 0.5F * most_contradiction(sample.speed_mps);
+  const float longest_s = static_cast<float>(max_step_us_) * 1e-6F;
+  const bool blind = seconds_since_known(sample.t_us) > longest_s;
+  if (blind) slip_mps_ = larger(slip_mps_, noise_.unknown_speed_mps);
+  contradicted_ = !agrees && !blind;
+  return contradicted_;
+}
+
+/// What the samples' noise makes of the low-passed difference, and a share of the speed for what is
+/// wrong with scales.
+float OdometryIntegrator::most_contradiction(float speed_mps) const {
+  constexpr float kSigmas = 3.5F;
+  constexpr float kShare = 0.2F;
+  return kSigmas * noise_.sigma_speed_mps * sqrt(noise_.sample_period_s / (2.0F * kExcessWindow_s)) +
+         kShare * abs(speed_mps);
+}
+
+/// From now on the motion held is the images' to correct, as speed and yaw rate.
+void OdometryIntegrator::hold_by_images() {
+  motion_.turn = motion_over(motion_, 1.0F).yaw_rad;
+  motion_.kind = OdometrySample::Kind::kTwist;
+  steady_ = ReadingLowPass<float>(noise_.steady_s);
+  steady_.add(motion_.speed_mps, motion_.turn, 0.0F);
+  by_images_ = true;
+}
+
+void OdometryIntegrator::note_image_update(float ahead_m, float turn_rad, float step_s) {
   constexpr float kFarInSigmas = 3.0F;
+  constexpr float kSettles_s = 0.05F;
   corrected_us_ = time_us_;
   if (!(step_s > 0.0F)) return;
+  const float silent_s = kSilent * static_cast<float>(max_step_us_) * 1e-6F;
+  if (has_motion_ && !by_images_ && seconds_since_sample(time_us_) > silent_s) hold_by_images();
+  if (by_images_) {
+    const float share = 1.0F / (step_s + kSettles_s);
+    motion_.speed_mps += share * ahead_m;
+    motion_.turn += share * turn_rad;
+    return;
+  }
+  excess_mps_ += 1.0F / (step_s + kExcessWindow_s) * (ahead_m - step_s * excess_mps_);
+  if (has_motion_ && abs(excess_mps_) > most_contradiction(motion_.speed_mps)) {
+    hold_by_images();
+    motion_.speed_mps += ahead_m / step_s;
+    motion_.turn += turn_rad / step_s;
+    contradicted_ = true;
+  }
   // Wheels that slip are wrong by about the vehicle's speed; more was an error of the pose before.
   const float most = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
   const float seen = abs(ahead_m) / step_s;

@@ -19,6 +19,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   monitor_.reset(parameters.monitor);
   local_map_.reset(parameters.local_map, parameters.measurement.search);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search, start.covariance);
+  systematic_ = parameters.systematic;
+  start_ = start.pose.position;
   odometry_.reset(parameters.odometry, parameters.max_step_us, start.t_us);
   input_.reset(parameters.max_step_us);
   clock_.reset(parameters.max_step_us);
@@ -166,8 +168,10 @@ void FrameTracker<Config, Filter>::note_correction(const PlanarPose<float>& pred
   const Vector3<float> ahead = corrected.rotation * Vector3<float>::UnitX();
   const float x_m = corrected.translation.x() - predicted.position.x();
   const float y_m = corrected.translation.y() - predicted.position.y();
-  const bool known = state() == TrackingState::kTracking;
-  odometry_.note_image_update(known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F, frame_step_s_);
+  const bool known = monitor_.state() == TrackingState::kTracking;
+  const float turn_rad = wrap_angle(filter().mean_pose().heading - predicted.heading);
+  odometry_.note_image_update(known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F,
+                              known ? turn_rad : 0.0F, frame_step_s_);
 }
 
 /// Grows the map while the pose holds, recognises the place while it does not. A place that the
@@ -230,7 +234,7 @@ Status FrameTracker<Config, Filter>::relocalise(Frame& frame, const Library& lib
 template <class Config, class Filter>
 VehicleMotion FrameTracker<Config, Filter>::motion() const {
   return {odometry_.speed_mps(), frame_step_s_, odometry_.yaw_variance(),
-          state() == TrackingState::kTracking};
+          monitor_.state() == TrackingState::kTracking};
 }
 
 template <class Config, class Filter>
@@ -286,6 +290,16 @@ NotTracked FrameTracker<Config, Filter>::why_not_tracked(Status status) const {
   const bool found =
       counts.matches >= monitor_.parameters().min_inliers && monitor_.enough_matches(counts);
   return found ? NotTracked::kNoConsensus : NotTracked::kNotFound;
+}
+
+/// Where inputs are in doubt the landmarks' agreement does not make the pose known: the pictures
+/// contradict the odometry or the mount, or odometry is silent and the scale is not measured.
+template <class Config, class Filter>
+TrackingState FrameTracker<Config, Filter>::state() const {
+  const bool doubted =
+      odometry_.contradicted() || !odometry_.known() || mount_offset().any_suspect();
+  const TrackingState state = monitor_.state();
+  return doubted && state == TrackingState::kTracking ? TrackingState::kUncertain : state;
 }
 
 template <class Config, class Filter>
