@@ -7,6 +7,7 @@ namespace cairn {
 namespace {
 
 constexpr float kExcessWindow_s = 0.25F;
+constexpr float kBlind = 0.5F;  // of the longest step: images then contradict nothing
 
 float larger(float a, float b) {
   return a > b ? a : b;
@@ -54,7 +55,7 @@ float OdometryIntegrator::seconds_since_sample(std::int64_t t_us) const {
 /// Since the sample, or the image, that tells the motion held.
 float OdometryIntegrator::seconds_since_known(std::int64_t t_us) const {
   if (!by_images_) return seconds_since_sample(t_us);
-  const std::int64_t since_us = difference_us(t_us, corrected_us_);
+  const std::int64_t since_us = difference_us(t_us, seen_us_);
   return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;
 }
 
@@ -121,8 +122,7 @@ bool OdometryIntegrator::is_contradicted(const OdometrySample& sample) {
   const float excess = motion_.speed_mps - sample.speed_mps;
   excess_mps_ += dt_s / (dt_s + kExcessWindow_s) * (excess - excess_mps_);
   const bool agrees = abs(excess_mps_) < 0.5F * most_contradiction(sample.speed_mps);
-  const float longest_s = static_cast<float>(max_step_us_) * 1e-6F;
-  const bool blind = seconds_since_known(sample.t_us) > longest_s;
+  const bool blind = seconds_since_known(sample.t_us) > kBlind * max_step_s();
   if (blind) slip_mps_ = larger(slip_mps_, noise_.unknown_speed_mps);
   contradicted_ = !agrees && !blind;
   return contradicted_;
@@ -133,7 +133,8 @@ bool OdometryIntegrator::is_contradicted(const OdometrySample& sample) {
 float OdometryIntegrator::most_contradiction(float speed_mps) const {
   constexpr float kSigmas = 3.5F;
   constexpr float kShare = 0.2F;
-  return kSigmas * noise_.sigma_speed_mps * sqrt(noise_.sample_period_s / (2.0F * kExcessWindow_s)) +
+  return kSigmas * noise_.sigma_speed_mps *
+             sqrt(noise_.sample_period_s / (2.0F * kExcessWindow_s)) +
          kShare * abs(speed_mps);
 }
 
@@ -146,30 +147,38 @@ void OdometryIntegrator::hold_by_images() {
   by_images_ = true;
 }
 
-void OdometryIntegrator::note_image_update(float ahead_m, float turn_rad, float step_s) {
-  constexpr float kFarInSigmas = 3.0F;
-  constexpr float kSettles_s = 0.05F;
+void OdometryIntegrator::note_image_update(float ahead_m, float turn_rad, float step_s,
+                                           bool sure) {
   corrected_us_ = time_us_;
   if (!(step_s > 0.0F)) return;
-  const float silent_s = kSilent * static_cast<float>(max_step_us_) * 1e-6F;
-  if (has_motion_ && !by_images_ && seconds_since_sample(time_us_) > silent_s) hold_by_images();
-  if (by_images_) {
-    const float share = 1.0F / (step_s + kSettles_s);
-    motion_.speed_mps += share * ahead_m;
-    motion_.turn += share * turn_rad;
-    return;
-  }
-  excess_mps_ += 1.0F / (step_s + kExcessWindow_s) * (ahead_m - step_s * excess_mps_);
-  if (has_motion_ && abs(excess_mps_) > most_contradiction(motion_.speed_mps)) {
+  if (sure && has_motion_) follow_image(ahead_m, turn_rad, step_s);
+  if (!by_images_) note_slip(abs(ahead_m) / step_s, step_s);
+}
+
+/// A constant velocity that the images correct; where they contradict the samples, they begin with
+/// what they show now.
+void OdometryIntegrator::follow_image(float ahead_m, float turn_rad, float step_s) {
+  constexpr float kSettles_s = 0.05F;
+  bool settled = by_images_;
+  if (!by_images_) {
+    excess_mps_ += (ahead_m - step_s * excess_mps_) / (step_s + kExcessWindow_s);
+    contradicted_ = abs(excess_mps_) > most_contradiction(motion_.speed_mps);
+    const bool silent = seconds_since_sample(time_us_) > kSilent * max_step_s();
+    if (!silent && !contradicted_) return;
     hold_by_images();
-    motion_.speed_mps += ahead_m / step_s;
-    motion_.turn += turn_rad / step_s;
-    contradicted_ = true;
+    settled = !contradicted_;
   }
-  // Wheels that slip are wrong by about the vehicle's speed; more was an error of the pose before.
+  const float share = 1.0F / (step_s + (settled ? kSettles_s : 0.0F));
+  motion_.speed_mps += share * ahead_m;
+  motion_.turn += share * turn_rad;
+  seen_us_ = time_us_;
+}
+
+/// Wheels that slip are wrong by about the vehicle's speed; more was an error of the pose before.
+void OdometryIntegrator::note_slip(float seen_mps, float step_s) {
+  constexpr float kFarInSigmas = 3.0F;
   const float most = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
-  const float seen = abs(ahead_m) / step_s;
-  const float rate = seen < most ? seen : most;
+  const float rate = seen_mps < most ? seen_mps : most;
   if (rate > kFarInSigmas * noise_.sigma_speed_mps * sqrt(noise_.sample_period_s / step_s)) {
     slip_mps_ = larger(slip_mps_, rate);
   }

@@ -177,6 +177,7 @@ class FrameTracker {
   void check_mount(Frame& frame);
   void report(Status status, FrameReport& report);
   NotTracked why_not_tracked(Status status) const;
+  bool doubted() const;
   int planned_searches() const;
   bool relocalises() const;
   VehicleMotion motion() const;

@@ -73,8 +73,9 @@ class OdometryIntegrator {
   /// An image has corrected the pose at its present time, by `ahead_m` along the vehicle's heading
   /// and by `turn_rad`, since the frame `step_s` before: what was held until now needs no correction
   /// by odometry. A correction far beyond the noise means that the wheels slip, and raises the noise
-  /// for a while. Corrections in one direction that last mean that odometry is wrong (contradicted()).
-  void note_image_update(float ahead_m, float turn_rad, float step_s);
+  /// for a while. `sure`: enough landmarks agreed to tell the motion without odometry; of such
+  /// images, corrections in one direction that last mean that odometry is wrong (contradicted()).
+  void note_image_update(float ahead_m, float turn_rad, float step_s, bool sure);
 
   /// Whether the speed that images show differs from the samples' by more than their noise, and by
   /// more than a quarter.
@@ -108,6 +109,9 @@ class OdometryIntegrator {
   bool is_contradicted(const OdometrySample& sample);
   float most_contradiction(float speed_mps) const;
   void hold_by_images();
+  void follow_image(float ahead_m, float turn_rad, float step_s);
+  void note_slip(float seen_mps, float step_s);
+  float max_step_s() const { return static_cast<float>(max_step_us_) * 1e-6F; }
   void fade_slip(float step_s);
   float seconds_since_sample(std::int64_t t_us) const;
   float seconds_since_known(std::int64_t t_us) const;
@@ -129,6 +133,7 @@ class OdometryIntegrator {
   PlanarPose<float> path_;         ///< at the newest sample
   std::int64_t time_us_ = 0;       ///< of the filter's pose
   std::int64_t corrected_us_ = 0;  ///< until then an image has corrected the pose
+  std::int64_t seen_us_ = 0;       ///< of the last image that corrected motion_
   OdometrySample motion_;  ///< that is held: a sample's, or by the images at a sample's time
   ReadingLowPass<float> steady_;
   OdometrySample glitch_;
@@ -137,7 +142,7 @@ class OdometryIntegrator {
   float excess_mps_ = 0.0F;  ///< low-passed speed by images less that of samples
   bool begun_ = false;
   bool has_motion_ = false;
-  bool by_images_ = false;  ///< motion_ is what the images show, until corrected_us_
+  bool by_images_ = false;  ///< motion_ is what the images show
   bool contradicted_ = false;
   float yaw_variance_ = 0.0F;
 };

@@ -11,7 +11,7 @@ namespace cairn {
 /// estimate, map and path alike, about its start; no sighting shows them.
 struct SystematicError {
   float scale = 0.03F;       ///< of distances: wheels, their load and slip; standard deviation
-  float yaw_rad = 0.005F;    ///< of the camera against the direction of travel
+  float yaw_rad = 0.0087F;    ///< of the camera against the direction of travel
   float position_m = 0.01F;  ///< of the vehicle's origin against its wheels, per axis
 
   /// kBadConfig unless every value is finite and not negative.
@@ -26,10 +26,11 @@ struct SystematicError {
     const float x = since_start.x();
     const float y = since_start.y();
     const Vector3<float> by_scale(scale * x, scale * y, 0.0F);
-    const Vector3<float> by_yaw(-yaw_rad * y, yaw_rad * x, yaw_rad);
+    const Vector3<float> by_yaw(-yaw_rad * y, yaw_rad * x, 0.0F);
     Matrix3<float> sum = by_scale * by_scale.transpose() + by_yaw * by_yaw.transpose();
     sum(0, 0) += square(position_m);
     sum(1, 1) += square(position_m);
+    sum(2, 2) += square(yaw_rad);
     return sum;
   }
 };

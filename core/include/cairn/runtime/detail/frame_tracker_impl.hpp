@@ -169,9 +169,10 @@ void FrameTracker<Config, Filter>::note_correction(const PlanarPose<float>& pred
   const float x_m = corrected.translation.x() - predicted.position.x();
   const float y_m = corrected.translation.y() - predicted.position.y();
   const bool known = monitor_.state() == TrackingState::kTracking;
+  const bool sure = known && measurement_.counts().inliers >= 2 * monitor_.parameters().min_inliers;
   const float turn_rad = wrap_angle(filter().mean_pose().heading - predicted.heading);
   odometry_.note_image_update(known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F,
-                              known ? turn_rad : 0.0F, frame_step_s_);
+                              known ? turn_rad : 0.0F, frame_step_s_, sure);
 }
 
 /// Grows the map while the pose holds, recognises the place while it does not. A place that the
@@ -292,14 +293,24 @@ NotTracked FrameTracker<Config, Filter>::why_not_tracked(Status status) const {
   return found ? NotTracked::kNoConsensus : NotTracked::kNotFound;
 }
 
-/// Where inputs are in doubt the landmarks' agreement does not make the pose known: the pictures
-/// contradict the odometry or the mount, or odometry is silent and the scale is not measured.
+/// Where inputs are in doubt the landmarks' agreement does not make the pose known.
 template <class Config, class Filter>
 TrackingState FrameTracker<Config, Filter>::state() const {
-  const bool doubted =
-      odometry_.contradicted() || !odometry_.known() || mount_offset().any_suspect();
   const TrackingState state = monitor_.state();
-  return doubted && state == TrackingState::kTracking ? TrackingState::kUncertain : state;
+  return state == TrackingState::kTracking && doubted() ? TrackingState::kUncertain : state;
+}
+
+/// The pictures contradict the odometry or the mount, odometry is silent and so the scale is not
+/// measured, or the body tilts by more than its suspension allows.
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::doubted() const {
+  constexpr float kTiltInSigmas = 5.0F;
+  if (odometry_.contradicted() || !odometry_.known() || mount_offset().any_suspect()) return true;
+  if (!filter().tilts()) return false;
+  const VehicleTilt<float> tilt = filter().tilt();
+  const TiltParameters<float>& usual = filter().parameters().tilt;
+  return abs(tilt.pitch) > kTiltInSigmas * usual.sigma_pitch_rad ||
+         abs(tilt.roll) > kTiltInSigmas * usual.sigma_roll_rad;
 }
 
 template <class Config, class Filter>
