@@ -147,7 +147,8 @@ bool FrameTracker<Config, Filter>::relocalises() const {
 template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   typename Measurement::Matches& matches = measurement_.matches();
-  if (!matches.empty() && monitor_.enough_matches(measurement_.counts())) {
+  const bool thin = thin_map_ && local_map_.is_thin(measurement_.counts().searched);
+  if (!matches.empty() && monitor_.enough_matches(measurement_.counts(), thin)) {
     const int inlier_count = monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
     const PlanarPose<float> predicted = filter().mean_pose();
     const PixelUpdate update = estimate_.update(frame, matches, inlier_count);
