@@ -26,7 +26,8 @@ struct FrameRecord {
   /// 3 degrees of freedom: of the vehicle's planar pose, or of a hand-held camera's attitude
   /// against that of the first frame with a pose.
   std::optional<double> nees;
-  float health_score = 0.0F;  ///< of HealthMonitor
+  std::optional<double> filter_nees;  ///< by the filter's own covariance
+  float health_score = 0.0F;          ///< of HealthMonitor
 
   bool has_pose() const {
     return report.state == TrackingState::kTracking || report.state == TrackingState::kUncertain;

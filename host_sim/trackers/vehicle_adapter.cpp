@@ -91,6 +91,7 @@ class VehicleAdapter : public Tracker {
     estimate.y_m = static_cast<double>(pose.position.y());
     estimate.theta_rad = static_cast<double>(pose.heading);
     estimate.covariance = core_->pose_covariance().template cast<double>();
+    estimate.filter_covariance = core_->filter().pose_covariance().template cast<double>();
     return estimate;
   }
   std::optional<MountOffset> mount_offset() const override { return core_->mount_offset(); }

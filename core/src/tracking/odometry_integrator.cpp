@@ -147,8 +147,7 @@ void OdometryIntegrator::hold_by_images() {
   by_images_ = true;
 }
 
-void OdometryIntegrator::note_image_update(float ahead_m, float turn_rad, float step_s,
-                                           bool sure) {
+void OdometryIntegrator::note_image_update(float ahead_m, float turn_rad, float step_s, bool sure) {
   corrected_us_ = time_us_;
   if (!(step_s > 0.0F)) return;
   if (sure && has_motion_) follow_image(ahead_m, turn_rad, step_s);

@@ -9,8 +9,8 @@
 #include "cairn/tracking/mounting.hpp"
 #include "cairn/tracking/odometry_integrator.hpp"
 #include "cairn/tracking/repeated_image.hpp"
-#include "cairn/tracking/systematic_error.hpp"
 #include "cairn/tracking/stage_timer.hpp"
+#include "cairn/tracking/systematic_error.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
 
 namespace cairn {
@@ -88,9 +88,10 @@ class FrameTracker {
     /// kBadConfig unless every value is finite and in its domain; those of the filter it checks
     /// itself.
     Status validate() const {
-      const bool parts = ok(odometry.validate()) && ok(systematic.validate()) && ok(floor.validate()) &&
-                         ok(measurement.validate()) && ok(monitor.validate()) &&
-                         ok(local_map.validate()) && ok(map_reuse.validate());
+      const bool parts = ok(odometry.validate()) && ok(systematic.validate()) &&
+                         ok(floor.validate()) && ok(measurement.validate()) &&
+                         ok(monitor.validate()) && ok(local_map.validate()) &&
+                         ok(map_reuse.validate());
       const bool good = parts && is_positive(sigma_px) && work_limit >= 0 &&
                         max_frames_without_mapping >= 0 && max_step_us > 0 &&
                         max_step_us <= FrameInput::kLongestStepUs;
@@ -139,8 +140,8 @@ class FrameTracker {
   const Filter& filter() const { return estimate_.filter(); }
   const PinholeCamera<float>& camera() const { return estimate_.camera(); }
   const Rigid<float>& T_vehicle_camera() const { return estimate_.T_vehicle_camera(); }
-  /// Covariance of filter().pose() over (x, y, heading), m and rad: the filter's own, which says how
-  /// well the pose and the map agree, and the systematic errors, which move both.
+  /// Covariance of filter().pose() over (x, y, heading), m and rad: the filter's own, which says
+  /// how well the pose and the map agree, and the systematic errors, which move both.
   Matrix3<float> pose_covariance() const {
     return filter().pose_covariance() + systematic_.covariance(filter().pose().position - start_);
   }

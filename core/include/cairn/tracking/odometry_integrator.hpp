@@ -71,10 +71,11 @@ class OdometryIntegrator {
   Status restart_clock(std::int64_t t_us, Filter& filter);
 
   /// An image has corrected the pose at its present time, by `ahead_m` along the vehicle's heading
-  /// and by `turn_rad`, since the frame `step_s` before: what was held until now needs no correction
-  /// by odometry. A correction far beyond the noise means that the wheels slip, and raises the noise
-  /// for a while. `sure`: enough landmarks agreed to tell the motion without odometry; of such
-  /// images, corrections in one direction that last mean that odometry is wrong (contradicted()).
+  /// and by `turn_rad`, since the frame `step_s` before: what was held until now needs no
+  /// correction by odometry. A correction far beyond the noise means that the wheels slip, and
+  /// raises the noise for a while. `sure`: enough landmarks agreed to tell the motion without
+  /// odometry; of such images, corrections in one direction that last mean that odometry is wrong
+  /// (contradicted()).
   void note_image_update(float ahead_m, float turn_rad, float step_s, bool sure);
 
   /// Whether the speed that images show differs from the samples' by more than their noise, and by
@@ -138,7 +139,7 @@ class OdometryIntegrator {
   ReadingLowPass<float> steady_;
   OdometrySample glitch_;
   int glitches_ = 0;
-  float slip_mps_ = 0.0F;  ///< standard deviation of the speed that glitches and images show
+  float slip_mps_ = 0.0F;    ///< standard deviation of the speed that glitches and images show
   float excess_mps_ = 0.0F;  ///< low-passed speed by images less that of samples
   bool begun_ = false;
   bool has_motion_ = false;

@@ -11,7 +11,7 @@ namespace cairn {
 /// estimate, map and path alike, about its start; no sighting shows them.
 struct SystematicError {
   float scale = 0.03F;       ///< of distances: wheels, their load and slip; standard deviation
-  float yaw_rad = 0.0087F;    ///< of the camera against the direction of travel
+  float yaw_rad = 0.0087F;   ///< of the camera against the direction of travel
   float position_m = 0.01F;  ///< of the vehicle's origin against its wheels, per axis
 
   /// kBadConfig unless every value is finite and not negative.
