@@ -300,6 +300,22 @@ TEST_F(ACameraBesideOdometry, TakesNoiseForNoContradiction) {
   EXPECT_FALSE(odometry_.contradicted());
 }
 
+/// A scale that the map has and odometry has not for seconds: the samples are believed, and
+/// doubted.
+TEST_F(ACameraBesideOdometry, BelievesOdometryThatStays) {
+  const float one = 1.0F;
+  const float twice = 2.0F;
+  frames(30, 1.0F, &one);
+  frames(150, 1.0F, &twice);
+  ASSERT_EQ(last_, Status::kGated);
+  frames(200, 1.0F, &twice);
+  EXPECT_EQ(last_, Status::kOk);
+  EXPECT_FLOAT_EQ(odometry_.speed_mps(), 2.0F);
+  EXPECT_TRUE(odometry_.contradicted());
+  frames(320, 2.0F, &twice);
+  EXPECT_FALSE(odometry_.contradicted());
+}
+
 /// Blind images contradict nothing: the samples are taken again, less certainly for a while.
 TEST_F(ACameraBesideOdometry, BelievesOdometryAgainWhereImagesSeeNothing) {
   const float one = 1.0F;

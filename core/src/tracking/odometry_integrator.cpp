@@ -112,6 +112,7 @@ bool OdometryIntegrator::is_glitch(const OdometrySample& sample) {
 void OdometryIntegrator::fade_slip(float step_s) {
   constexpr float kLasts_s = 0.5F;
   slip_mps_ *= kLasts_s / (kLasts_s + step_s);
+  if (!contradicted_ && doubted_s_ > 0.0F) doubted_s_ -= step_s;
 }
 
 /// While the images hold the motion a sample is compared with what they show; while they are blind,
@@ -124,7 +125,9 @@ bool OdometryIntegrator::is_contradicted(const OdometrySample& sample) {
   const bool agrees = abs(excess_mps_) < 0.5F * most_contradiction(sample.speed_mps);
   const bool blind = seconds_since_known(sample.t_us) > kBlind * max_step_s();
   if (blind) slip_mps_ = larger(slip_mps_, noise_.unknown_speed_mps);
-  contradicted_ = !agrees && !blind;
+  doubted_s_ += dt_s;
+  contradicted_ = !agrees && !blind && doubted_s_ < kLongestContradiction_s;
+  if (agrees || blind) doubted_s_ = 0.0F;
   return contradicted_;
 }
 
@@ -161,7 +164,8 @@ void OdometryIntegrator::follow_image(float ahead_m, float turn_rad, float step_
   bool settled = by_images_;
   if (!by_images_) {
     excess_mps_ += (ahead_m - step_s * excess_mps_) / (step_s + kExcessWindow_s);
-    contradicted_ = abs(excess_mps_) > most_contradiction(motion_.speed_mps);
+    contradicted_ =
+        !(doubted_s_ > 0.0F) && abs(excess_mps_) > most_contradiction(motion_.speed_mps);
     const bool silent = seconds_since_sample(time_us_) > kSilent * max_step_s();
     if (!silent && !contradicted_) return;
     hold_by_images();

@@ -43,6 +43,7 @@ class OdometryIntegrator {
  public:
   static constexpr float kMaxSpeed_mps = 300.0F;
   static constexpr float kSilent = 0.2F;  ///< of the longest step
+  static constexpr float kLongestContradiction_s = 10.0F;
   static constexpr float kMaxSteering_rad = 1.4F;
   /// Glitches in a row, each like the one before, after which they are believed.
   static constexpr int kGlitchesToBelieve = 3;
@@ -79,8 +80,9 @@ class OdometryIntegrator {
   void note_image_update(float ahead_m, float turn_rad, float step_s, bool sure);
 
   /// Whether the speed that images show differs from the samples' by more than their noise, and by
-  /// more than a quarter.
-  bool contradicted() const { return contradicted_; }
+  /// more than a fifth. After kLongestContradiction_s the samples are believed all the same, since
+  /// the scale is theirs to tell, and doubted for as long again.
+  bool contradicted() const { return contradicted_ || doubted_s_ > 0.0F; }
   float speed_mps() const { return motion_.speed_mps; }
   /// The pose by odometry alone at the filter's time, from any start: what images corrected is not
   /// in it.
@@ -141,6 +143,7 @@ class OdometryIntegrator {
   int glitches_ = 0;
   float slip_mps_ = 0.0F;    ///< standard deviation of the speed that glitches and images show
   float excess_mps_ = 0.0F;  ///< low-passed speed by images less that of samples
+  float doubted_s_ = 0.0F;   ///< that a contradiction has lasted; after it, that doubt still lasts
   bool begun_ = false;
   bool has_motion_ = false;
   bool by_images_ = false;  ///< motion_ is what the images show
