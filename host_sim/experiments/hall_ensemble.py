@@ -42,7 +42,7 @@ def run(args, name, seed):
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
     return {"mu": mu, "mean": summary["registration_px"]["mean"], "p95": summary["registration_px"]["p95"],
             "largest": max(settled), "beyond": 100.0 * sum(px > 6.0 for px in settled) / len(settled),
-            "ate": summary["trajectory"]["ate_rmse_m"], "nees": summary["nees"]["mean"], "lost": summary["lost"],
+            "ate": summary["trajectory"]["ate_rmse_m"], "nees": summary["nees"]["filter_mean"], "lost": summary["lost"],
             "known": summary["map"]["reused"]["sightings_percent"] if args.frames > LAP_FRAMES else 0.0}
 
 

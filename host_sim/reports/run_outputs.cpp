@@ -46,17 +46,24 @@ std::string field(const std::optional<double>& value) {
 json nees_json(const RunRecord& record) {
   json result = {{"mean", nullptr}, {"inside_percent", nullptr}, {"dof", nullptr}};
   double sum = 0.0;
+  double filter_sum = 0.0;
   int inside = 0;
   int count = 0;
+  int filter_count = 0;
   const Band band = chi_square_band_95(3);
   for (const FrameRecord& frame : record.frames) {
     if (!frame.nees.has_value()) continue;
     sum += *frame.nees;
     inside += band.contains(*frame.nees) ? 1 : 0;
     ++count;
+    if (!frame.filter_nees.has_value()) continue;
+    filter_sum += *frame.filter_nees;
+    ++filter_count;
   }
   if (count == 0) return result;
-  return {{"mean", sum / count}, {"inside_percent", 100.0 * inside / count}, {"dof", 3}};
+  result = {{"mean", sum / count}, {"inside_percent", 100.0 * inside / count}, {"dof", 3}};
+  if (filter_count > 0) result["filter_mean"] = filter_sum / filter_count;
+  return result;
 }
 
 json nis_json(const RunRecord& record) {

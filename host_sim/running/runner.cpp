@@ -30,14 +30,14 @@
 namespace cairn::host {
 namespace {
 
-std::optional<double> nees_of(const PlanarPoseEstimate& estimate, const Rigid<double>& truth) {
+std::optional<double> nees_of(const PlanarPoseEstimate& estimate, const Matrix3<double>& covariance,
+                              const Rigid<double>& truth) {
   const Vector3<double> forward = truth.rotation * Vector3<double>::UnitX();
   const Vector3<double> error(
       estimate.x_m - truth.translation.x(), estimate.y_m - truth.translation.y(),
       wrap_angle(estimate.theta_rad - cairn::atan2(forward.y(), forward.x())));
-  const double determinant = estimate.covariance.determinant();
-  if (!(determinant > 0.0)) return std::nullopt;
-  const double nees = error.dot(estimate.covariance.inverse() * error);
+  if (!(covariance.determinant() > 0.0)) return std::nullopt;
+  const double nees = error.dot(covariance.inverse() * error);
   return std::isfinite(nees) && nees >= 0.0 ? std::optional<double>(nees) : std::nullopt;
 }
 
@@ -53,7 +53,7 @@ std::optional<double> nees_of(const Matrix3<double>& covariance, const Rigid<dou
 /// Of a vehicle's pose, or of a hand-held camera's attitude.
 PoseSigma sigma_of(const Tracker& tracker) {
   if (const auto vehicle = tracker.vehicle_pose(); vehicle.has_value()) {
-    return pose_sigma(vehicle->covariance.cast<float>());
+    return pose_sigma(vehicle->filter_covariance.cast<float>());
   }
   const std::optional<Matrix3<double>> attitude = tracker.attitude_covariance();
   return {0.0F,
@@ -148,7 +148,9 @@ class FrameLoop {
     entry.true_T_world_vehicle = frame.true_T_world_vehicle;
     entry.vehicle = tracker_.vehicle_pose();
     if (entry.vehicle.has_value() && frame.true_T_world_vehicle.has_value()) {
-      entry.nees = nees_of(*entry.vehicle, *frame.true_T_world_vehicle);
+      const Rigid<double>& truth = *frame.true_T_world_vehicle;
+      entry.nees = nees_of(*entry.vehicle, entry.vehicle->covariance, truth);
+      entry.filter_nees = nees_of(*entry.vehicle, entry.vehicle->filter_covariance, truth);
     }
     if (entry.has_pose() && frame.true_T_world_camera.has_value()) judge_attitude(entry);
     entry.measured = tracker_.measured();

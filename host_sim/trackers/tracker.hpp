@@ -36,7 +36,8 @@ struct PlanarPoseEstimate {
   double x_m = 0.0;
   double y_m = 0.0;
   double theta_rad = 0.0;
-  Matrix3<double> covariance = Matrix3<double>::Zero();
+  Matrix3<double> covariance = Matrix3<double>::Zero();         ///< systematic errors included
+  Matrix3<double> filter_covariance = Matrix3<double>::Zero();  ///< the filter's own
 };
 
 /// What the runner drives: the core's tracker behind one face for both modes.

@@ -87,7 +87,8 @@ class VehicleAdapter : public Tracker {
     estimate.x_m = static_cast<double>(pose.position.x());
     estimate.y_m = static_cast<double>(pose.position.y());
     estimate.theta_rad = static_cast<double>(pose.heading);
-    estimate.covariance = core_->filter().pose_covariance().template cast<double>();
+    estimate.covariance = core_->pose_covariance().template cast<double>();
+    estimate.filter_covariance = core_->filter().pose_covariance().template cast<double>();
     return estimate;
   }
   std::optional<Matrix3<double>> position_covariance() const override {

@@ -60,6 +60,15 @@ TEST_F(AVehicleThatTracks, AsksForMoreMatchesAfterWeakFrames) {
   EXPECT_FALSE(monitor_.enough_matches(counts(3, 3)));
 }
 
+TEST_F(AVehicleThatTracks, AsksForHalfOfAThinMapAfterWeakFrames) {
+  judge(counts(8, 3));
+  judge(counts(8, 3));
+  EXPECT_FALSE(monitor_.enough_matches(counts(8, 4)));
+  EXPECT_TRUE(monitor_.enough_matches(counts(8, 4), true));
+  EXPECT_FALSE(monitor_.enough_matches(counts(9, 4), true));
+  EXPECT_FALSE(monitor_.enough_matches(counts(6, 3), true));
+}
+
 TEST_F(AVehicleThatTracks, IsUncertainAfterFramesThatDidNotComeButNotLost) {
   monitor_.note_blind_frames(1000);
   EXPECT_EQ(monitor_.state(), TrackingState::kUncertain);

@@ -6,6 +6,9 @@
 namespace cairn {
 namespace {
 
+constexpr float kExcessWindow_s = 0.25F;
+constexpr float kBlind = 0.5F;  // of the longest step: images then contradict nothing
+
 float larger(float a, float b) {
   return a > b ? a : b;
 }
@@ -46,6 +49,13 @@ void OdometryIntegrator::count_from(std::int64_t t_us) {
 
 float OdometryIntegrator::seconds_since_sample(std::int64_t t_us) const {
   const std::int64_t since_us = difference_us(t_us, motion_.t_us);
+  return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;
+}
+
+/// Since the sample, or the image, that tells the motion held.
+float OdometryIntegrator::seconds_since_known(std::int64_t t_us) const {
+  if (!by_images_) return seconds_since_sample(t_us);
+  const std::int64_t since_us = difference_us(t_us, seen_us_);
   return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;
 }
 
@@ -102,16 +112,76 @@ bool OdometryIntegrator::is_glitch(const OdometrySample& sample) {
 void OdometryIntegrator::fade_slip(float step_s) {
   constexpr float kLasts_s = 0.5F;
   slip_mps_ *= kLasts_s / (kLasts_s + step_s);
+  if (!contradicted_ && doubted_s_ > 0.0F) doubted_s_ -= step_s;
 }
 
-void OdometryIntegrator::note_image_update(float ahead_m, float step_s) {
-  constexpr float kFarInSigmas = 3.0F;
+/// While the images hold the motion a sample is compared with what they show; while they are blind,
+/// nothing contradicts it.
+bool OdometryIntegrator::is_contradicted(const OdometrySample& sample) {
+  if (!contradicted_) return false;
+  const float dt_s = seconds_since_sample(sample.t_us);
+  const float excess = motion_.speed_mps - sample.speed_mps;
+  excess_mps_ += dt_s / (dt_s + kExcessWindow_s) * (excess - excess_mps_);
+  const bool agrees = abs(excess_mps_) < 0.5F * most_contradiction(sample.speed_mps);
+  const bool blind = seconds_since_known(sample.t_us) > kBlind * max_step_s();
+  if (blind) slip_mps_ = larger(slip_mps_, noise_.unknown_speed_mps);
+  doubted_s_ += dt_s;
+  contradicted_ = !agrees && !blind && doubted_s_ < kLongestContradiction_s;
+  if (agrees || blind) doubted_s_ = 0.0F;
+  return contradicted_;
+}
+
+/// What the samples' noise makes of the low-passed difference, and a share of the speed for what is
+/// wrong with scales.
+float OdometryIntegrator::most_contradiction(float speed_mps) const {
+  constexpr float kSigmas = 3.5F;
+  constexpr float kShare = 0.2F;
+  return kSigmas * noise_.sigma_speed_mps *
+             sqrt(noise_.sample_period_s / (2.0F * kExcessWindow_s)) +
+         kShare * abs(speed_mps);
+}
+
+/// From now on the motion held is the images' to correct, as speed and yaw rate.
+void OdometryIntegrator::hold_by_images() {
+  motion_.turn = motion_over(motion_, 1.0F).yaw_rad;
+  motion_.kind = OdometrySample::Kind::kTwist;
+  steady_ = ReadingLowPass<float>(noise_.steady_s);
+  steady_.add(motion_.speed_mps, motion_.turn, 0.0F);
+  by_images_ = true;
+}
+
+void OdometryIntegrator::note_image_update(float ahead_m, float turn_rad, float step_s, bool sure) {
   corrected_us_ = time_us_;
   if (!(step_s > 0.0F)) return;
-  // Wheels that slip are wrong by about the vehicle's speed; more was an error of the pose before.
+  if (sure && has_motion_) follow_image(ahead_m, turn_rad, step_s);
+  if (!by_images_) note_slip(abs(ahead_m) / step_s, step_s);
+}
+
+/// A constant velocity that the images correct; where they contradict the samples, they begin with
+/// what they show now.
+void OdometryIntegrator::follow_image(float ahead_m, float turn_rad, float step_s) {
+  constexpr float kSettles_s = 0.05F;
+  bool settled = by_images_;
+  if (!by_images_) {
+    excess_mps_ += (ahead_m - step_s * excess_mps_) / (step_s + kExcessWindow_s);
+    contradicted_ =
+        !(doubted_s_ > 0.0F) && abs(excess_mps_) > most_contradiction(motion_.speed_mps);
+    const bool silent = seconds_since_sample(time_us_) > kSilent * max_step_s();
+    if (!silent && !contradicted_) return;
+    hold_by_images();
+    settled = !contradicted_;
+  }
+  const float share = 1.0F / (step_s + (settled ? kSettles_s : 0.0F));
+  motion_.speed_mps += share * ahead_m;
+  motion_.turn += share * turn_rad;
+  seen_us_ = time_us_;
+}
+
+/// Wheels that slip are wrong by about the vehicle's speed; more was an error of the pose before.
+void OdometryIntegrator::note_slip(float seen_mps, float step_s) {
+  constexpr float kFarInSigmas = 3.0F;
   const float most = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
-  const float seen = abs(ahead_m) / step_s;
-  const float rate = seen < most ? seen : most;
+  const float rate = seen_mps < most ? seen_mps : most;
   if (rate > kFarInSigmas * noise_.sigma_speed_mps * sqrt(noise_.sample_period_s / step_s)) {
     slip_mps_ = larger(slip_mps_, rate);
   }

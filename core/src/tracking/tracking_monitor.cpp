@@ -4,8 +4,11 @@
 
 namespace cairn {
 
-bool TrackingMonitor::enough_matches(const MeasurementCounts& counts) const {
+bool TrackingMonitor::enough_matches(const MeasurementCounts& counts, bool thin) const {
   const bool returning = weak_frames_ >= 2;
+  if (returning && thin) {
+    return 2 * counts.matches >= counts.searched && counts.matches >= parameters_.min_inliers;
+  }
   const float least = returning ? parameters_.min_return_ratio : parameters_.min_match_ratio;
   if (static_cast<float>(counts.matches) < least * static_cast<float>(counts.searched)) {
     return false;

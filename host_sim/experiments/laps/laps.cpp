@@ -51,7 +51,7 @@ class LapSums {
     const Vector3<double> in_map =
         error_of(reported.translation.x(), reported.translation.y(), heading_of(reported), truth);
     const Vector3<double> in_filter = error_of(pose.x_m, pose.y_m, pose.theta_rad, truth);
-    const Matrix3<double> information = pose.covariance.inverse();
+    const Matrix3<double> information = pose.filter_covariance.inverse();
     map_squares_ += in_map.head<2>().squaredNorm();
     filter_squares_ += in_filter.head<2>().squaredNorm();
     result_.map_worst_m = std::max(result_.map_worst_m, in_map.head<2>().norm());

@@ -10,6 +10,7 @@
 #include "cairn/tracking/odometry_integrator.hpp"
 #include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
+#include "cairn/tracking/systematic_error.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
 
 namespace cairn {
@@ -72,6 +73,7 @@ class FrameTracker {
 
     PlanarParameters<float> filter;
     OdometryNoise odometry;
+    SystematicError systematic;
     float sigma_px = 0.8F;
     FloorParameters floor;
     typename Measurement::Parameters measurement;
@@ -86,9 +88,10 @@ class FrameTracker {
     /// kBadConfig unless every value is finite and in its domain; those of the filter it checks
     /// itself.
     Status validate() const {
-      const bool parts = ok(odometry.validate()) && ok(floor.validate()) &&
-                         ok(measurement.validate()) && ok(monitor.validate()) &&
-                         ok(local_map.validate()) && ok(map_reuse.validate());
+      const bool parts = ok(odometry.validate()) && ok(systematic.validate()) &&
+                         ok(floor.validate()) && ok(measurement.validate()) &&
+                         ok(monitor.validate()) && ok(local_map.validate()) &&
+                         ok(map_reuse.validate());
       const bool good = parts && is_positive(sigma_px) && work_limit >= 0 &&
                         max_frames_without_mapping >= 0 && max_step_us > 0 &&
                         max_step_us <= FrameInput::kLongestStepUs;
@@ -137,6 +140,11 @@ class FrameTracker {
   const Filter& filter() const { return estimate_.filter(); }
   const PinholeCamera<float>& camera() const { return estimate_.camera(); }
   const Rigid<float>& T_vehicle_camera() const { return estimate_.T_vehicle_camera(); }
+  /// Covariance of filter().pose() over (x, y, heading), m and rad: the filter's own, which says
+  /// how well the pose and the map agree, and the systematic errors, which move both.
+  Matrix3<float> pose_covariance() const {
+    return filter().pose_covariance() + systematic_.covariance(filter().pose().position - start_);
+  }
   /// In the filter's frame.
   Rigid<float> T_world_camera() const { return estimate_.T_world_camera(); }
   /// The map's frame in the filter's: identity until landmarks of the library were reactivated.
@@ -148,7 +156,7 @@ class FrameTracker {
   const TrackedLandmarks<kMaxLandmarks>& landmarks() const { return estimate_.landmarks(); }
   /// Of the tracker and of its filter.
   Health health() const { return with_filter(health_, filter().health()); }
-  TrackingState state() const { return monitor_.state(); }
+  TrackingState state() const;
   /// How far the mount and the focal length seem to be from what initialise() was told.
   const MountOffset& mount_offset() const { return mount_check_.offset(); }
   void hash(Hash64& hash) const;
@@ -170,6 +178,7 @@ class FrameTracker {
   void check_mount(Frame& frame);
   void report(Status status, FrameReport& report);
   NotTracked why_not_tracked(Status status) const;
+  bool doubted() const;
   int planned_searches() const;
   bool relocalises() const;
   VehicleMotion motion() const;
@@ -180,6 +189,8 @@ class FrameTracker {
   LocalMap local_map_;
   MapReuse map_reuse_;
   OdometryIntegrator odometry_;
+  SystematicError systematic_;
+  Vector2<float> start_ = Vector2<float>::Zero();
   FrameInput input_;
   InputClock clock_;
   RepeatedImage repeated_;

@@ -63,6 +63,8 @@ class VehicleTracker {
   const Filter& filter() const { return frames_.filter(); }
   const PinholeCamera<float>& camera() const { return frames_.camera(); }
   const Rigid<float>& T_vehicle_camera() const { return frames_.T_vehicle_camera(); }
+  /// As FrameTracker::pose_covariance().
+  Matrix3<float> pose_covariance() const { return frames_.pose_covariance(); }
   /// In the filter's frame.
   Rigid<float> T_world_camera() const { return frames_.T_world_camera(); }
   /// The map's frame in the filter's, as FrameTracker::T_world_map().

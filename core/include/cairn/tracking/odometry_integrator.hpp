@@ -35,9 +35,15 @@ struct OdometryNoise {
 /// then on the motion is unknown. When the next sample arrives, the stretch that was held is
 /// corrected by it, except where an image has corrected the pose since. Cut into shorter steps, the
 /// noise sums up to the same. The start counts as a sample at rest.
+///
+/// Where samples are silent for longer than kSilent of the longest step, or contradict the images,
+/// the motion held is that which the images show (constant speed and yaw rate), and the time since
+/// counts from the last image.
 class OdometryIntegrator {
  public:
   static constexpr float kMaxSpeed_mps = 300.0F;
+  static constexpr float kSilent = 0.2F;  ///< of the longest step
+  static constexpr float kLongestContradiction_s = 10.0F;
   static constexpr float kMaxSteering_rad = 1.4F;
   /// Glitches in a row, each like the one before, after which they are believed.
   static constexpr int kGlitchesToBelieve = 3;
@@ -48,7 +54,8 @@ class OdometryIntegrator {
   /// Integrates up to the sample's time. Refused, nothing changed: kNonFiniteInput;
   /// kInvalidArgument (beyond kMaxSpeed_mps or kMaxSteering_rad, or half a turn since the sample
   /// before); kTimeBackwards (older than the sample before). Counted, with the motion before
-  /// it held less certainly: kGated, the speed changed faster than a vehicle can. kTimeGap: more
+  /// it held less certainly: kGated, the speed changed faster than a vehicle can, or is not what
+  /// the images show. kTimeGap: more
   /// than `max_step_us` since the sample before; the pose became as uncertain as that leaves it.
   template <class Filter>
   Status add(const OdometrySample& sample, Filter& filter, Health& health);
@@ -65,10 +72,17 @@ class OdometryIntegrator {
   Status restart_clock(std::int64_t t_us, Filter& filter);
 
   /// An image has corrected the pose at its present time, by `ahead_m` along the vehicle's heading
-  /// since the frame `step_s` before: what was held until now needs no correction by odometry. A
-  /// correction far beyond the noise means that the wheels slip, and raises the noise for a while.
-  void note_image_update(float ahead_m, float step_s);
+  /// and by `turn_rad`, since the frame `step_s` before: what was held until now needs no
+  /// correction by odometry. A correction far beyond the noise means that the wheels slip, and
+  /// raises the noise for a while. `sure`: enough landmarks agreed to tell the motion without
+  /// odometry; of such images, corrections in one direction that last mean that odometry is wrong
+  /// (contradicted()).
+  void note_image_update(float ahead_m, float turn_rad, float step_s, bool sure);
 
+  /// Whether the speed that images show differs from the samples' by more than their noise, and by
+  /// more than a fifth. After kLongestContradiction_s the samples are believed all the same, since
+  /// the scale is theirs to tell, and doubted for as long again.
+  bool contradicted() const { return contradicted_ || doubted_s_ > 0.0F; }
   float speed_mps() const { return motion_.speed_mps; }
   /// The pose by odometry alone at the filter's time, from any start: what images corrected is not
   /// in it.
@@ -95,15 +109,22 @@ class OdometryIntegrator {
   void count_from(std::int64_t t_us);
   Status check(const OdometrySample& sample, Health& health) const;
   bool is_glitch(const OdometrySample& sample);
+  bool is_contradicted(const OdometrySample& sample);
+  float most_contradiction(float speed_mps) const;
+  void hold_by_images();
+  void follow_image(float ahead_m, float turn_rad, float step_s);
+  void note_slip(float seen_mps, float step_s);
+  float max_step_s() const { return static_cast<float>(max_step_us_) * 1e-6F; }
   void fade_slip(float step_s);
   float seconds_since_sample(std::int64_t t_us) const;
+  float seconds_since_known(std::int64_t t_us) const;
   Motion motion_over(const OdometrySample& reading, float dt_s) const;
   static PlanarPose<float> moved(const PlanarPose<float>& pose, const Motion& motion);
   float sigma_speed(float scale) const;
   PlanarIncrement<float> increment_over(float dt_s) const;
   PlanarIncrement<float> increment_of(const OdometrySample& reading, float dt_s, float scale) const;
-  /// Variances of position (m^2) and heading (rad^2) that the time since the sample adds between
-  /// `from_s` and `to_s` after it.
+  /// Variances of position (m^2) and heading (rad^2) that the time since the motion was known adds
+  /// between `from_s` and `to_s` after it.
   struct Drift {
     float position = 0.0F;
     float heading = 0.0F;
@@ -115,13 +136,18 @@ class OdometryIntegrator {
   PlanarPose<float> path_;         ///< at the newest sample
   std::int64_t time_us_ = 0;       ///< of the filter's pose
   std::int64_t corrected_us_ = 0;  ///< until then an image has corrected the pose
-  OdometrySample motion_;
+  std::int64_t seen_us_ = 0;       ///< of the last image that corrected motion_
+  OdometrySample motion_;  ///< that is held: a sample's, or by the images at a sample's time
   ReadingLowPass<float> steady_;
   OdometrySample glitch_;
   int glitches_ = 0;
-  float slip_mps_ = 0.0F;  ///< standard deviation of the speed that glitches and images show
+  float slip_mps_ = 0.0F;    ///< standard deviation of the speed that glitches and images show
+  float excess_mps_ = 0.0F;  ///< low-passed speed by images less that of samples
+  float doubted_s_ = 0.0F;   ///< that a contradiction has lasted; after it, that doubt still lasts
   bool begun_ = false;
   bool has_motion_ = false;
+  bool by_images_ = false;  ///< motion_ is what the images show
+  bool contradicted_ = false;
   float yaw_variance_ = 0.0F;
 };
 
@@ -131,7 +157,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
   const Status checked = check(sample, health);
   if (!ok(checked)) return checked;
   const bool gap = seconds_since_sample(sample.t_us) > static_cast<float>(max_step_us_) * 1e-6F;
-  const bool glitch = !gap && is_glitch(sample);
+  const bool glitch = is_contradicted(sample) || (!gap && is_glitch(sample));
   Motion correction;
   if (gap) {
     static_cast<void>(integrate_to(sample.t_us, filter, health));
@@ -152,6 +178,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
                 has_motion_ ? seconds_since_sample(sample.t_us) : 0.0F);
     motion_ = sample;
     has_motion_ = true;
+    by_images_ = false;
   }
   const float step_s =
       sample.t_us > time_us_ ? static_cast<float>(sample.t_us - time_us_) * 1e-6F : 0.0F;
@@ -182,8 +209,8 @@ Status OdometryIntegrator::integrate_to(std::int64_t t_us, Filter& filter, Healt
   begin_at(t_us);
   if (t_us <= time_us_) return Status::kOk;
   const float max_s = static_cast<float>(max_step_us_) * 1e-6F;
-  const float from_s = seconds_since_sample(time_us_);
-  const float to_s = seconds_since_sample(t_us);
+  const float from_s = seconds_since_known(time_us_);
+  const float to_s = seconds_since_known(t_us);
   const float held_s = (to_s < max_s ? to_s : max_s) - from_s;
   time_us_ = t_us;
   Status status = Status::kOk;
@@ -199,7 +226,7 @@ Status OdometryIntegrator::integrate_to(std::int64_t t_us, Filter& filter, Healt
     if (ok(status)) status = widened;
     yaw_variance_ += drift.heading;
   }
-  if (to_s <= max_s) return status;
+  if (seconds_since_sample(t_us) <= max_s) return status;
   ++health.odometry_timeouts;
   return ok(status) ? Status::kTimeGap : status;
 }

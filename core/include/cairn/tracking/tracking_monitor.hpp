@@ -59,8 +59,9 @@ class TrackingMonitor {
     return counts.inliers >= parameters_.min_inliers;
   }
   /// Whether the matches are more than chance finds. After weak frames the search windows are
-  /// larger, and more matches are asked for.
-  bool enough_matches(const MeasurementCounts& counts) const;
+  /// larger, and more matches are asked for; not where they were weak for want of landmarks
+  /// (`thin`).
+  bool enough_matches(const MeasurementCounts& counts, bool thin = false) const;
   /// Least number of inliers that RANSAC must find, at least `least`.
   int min_inliers(const MeasurementCounts& counts, int least) const;
   /// The same at a recognised place where `found` landmarks of the library were matched.

@@ -47,7 +47,7 @@ Status PlanarSlam<ErrorModel>::initialise(const PlanarPose<T>& pose, const Matri
   if constexpr (kTilts) model_.start_tilt(parameters.tilt);
   updates_ = 0;
   reacquisition_.clear();
-  rest_.clear();
+  rest_ = detail::Rest<T>();
   guard_.clear();
   initialised_ = true;
   return Status::kOk;

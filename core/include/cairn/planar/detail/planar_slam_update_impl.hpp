@@ -89,8 +89,7 @@ bool PlanarSlam<ErrorModel>::tells_nothing_new(int count, UpdateReport& report) 
   if (count < kFewest || refused_count_ * kRefusedShare > count || singular_) return false;
   int rows = 0;
   for (int k = 0; k < count; ++k) rows += observations_[k].rows;
-  const T expected = static_cast<T>(rows);
-  if (!(admitted_nis_ <= expected + parameters_.rest_sigmas * sqrt(T(2) * expected))) return false;
+  if (!rest_.agrees(admitted_nis_, rows, parameters_.rest_sigmas)) return false;
   if (!(parameters_.rest_sigmas > T(0))) return false;
   rest_.begin();
   report.nis += static_cast<float>(admitted_nis_);
@@ -176,8 +175,10 @@ template <class ErrorModel>
 void PlanarSlam<ErrorModel>::apply_update(int first, int count, UpdateReport& report,
                                           bool deviates) {
   T nis = T(0);
-  const int singular =
-      update_.apply(model_, observations_ + first, count, deviates, nis, report.nis_dof);
+  int rows = 0;
+  const int singular = update_.apply(model_, observations_ + first, count, deviates, nis, rows);
+  report.nis_dof += rows;
+  rest_.note_moving(nis, rows);
   health_.innovations_singular += static_cast<std::uint32_t>(singular);
   report.nis += static_cast<float>(nis);
   if constexpr (kHasWorldLandmarks) guard_.check(model_, singular_ || singular > 0, health_);

@@ -10,7 +10,12 @@ namespace cairn::detail {
 template <class T>
 class Rest {
  public:
-  void clear() { *this = Rest(); }
+  /// Forgets the rest; what is usual stays.
+  void clear() {
+    const T usual = usual_;
+    *this = Rest();
+    usual_ = usual;
+  }
   bool resting() const { return resting_; }
 
   /// An update settled the pose here.
@@ -38,6 +43,18 @@ class Rest {
     held_.covariance = sum;
     return true;
   }
+  /// An update of a moving vehicle: its normalised innovations, summed over `rows`.
+  void note_moving(T nis, int rows) {
+    if (rows > 0) usual_ += kGain * (nis / static_cast<T>(rows) - usual_);
+  }
+  /// Whether innovations agree with rest: with what the noise allows, and where pictures of the
+  /// moving vehicle agree far better than that, with some times what is usual. A vehicle that
+  /// creeps while its wheels say rest moves pixels by less than the noise at first.
+  bool agrees(T nis, int rows, T sigmas) const {
+    const T expected = static_cast<T>(rows);
+    const T share = kTimesUsual * usual_ < T(1) ? kTimesUsual * usual_ : T(1);
+    return nis <= share * (expected + sigmas * sqrt(T(2) * expected));
+  }
   bool holds_noise() const {
     return held_.covariance(0, 0) > T(0) || held_.covariance(1, 1) > T(0);
   }
@@ -47,9 +64,13 @@ class Rest {
   static constexpr T kMostDistanceVariance = T(4e-4);  ///< m^2
   static constexpr T kMostTurnVariance = T(1e-4);      ///< rad^2
 
+  static constexpr T kGain = T(0.1);  ///< ten updates
+  static constexpr T kTimesUsual = T(4);
+
   bool resting_ = false;
   PlanarIncrement<T> held_;
   T held_s_ = T(0);
+  T usual_ = T(1);  ///< innovation per row of a moving vehicle, low-passed
 };
 
 }  // namespace cairn::detail

@@ -19,6 +19,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   monitor_.reset(parameters.monitor);
   local_map_.reset(parameters.local_map, parameters.measurement.search);
   map_reuse_.reset(parameters.map_reuse, parameters.measurement.search, start.covariance);
+  systematic_ = parameters.systematic;
+  start_ = start.pose.position;
   odometry_.reset(parameters.odometry, parameters.max_step_us, start.t_us);
   input_.reset(parameters.max_step_us);
   clock_.reset(parameters.max_step_us);
@@ -145,7 +147,8 @@ bool FrameTracker<Config, Filter>::relocalises() const {
 template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   typename Measurement::Matches& matches = measurement_.matches();
-  if (!matches.empty() && monitor_.enough_matches(measurement_.counts())) {
+  const bool thin = thin_map_ && local_map_.is_thin(measurement_.counts().searched);
+  if (!matches.empty() && monitor_.enough_matches(measurement_.counts(), thin)) {
     const int inlier_count = monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
     const PlanarPose<float> predicted = filter().mean_pose();
     const PixelUpdate update = estimate_.update(frame, matches, inlier_count);
@@ -166,8 +169,11 @@ void FrameTracker<Config, Filter>::note_correction(const PlanarPose<float>& pred
   const Vector3<float> ahead = corrected.rotation * Vector3<float>::UnitX();
   const float x_m = corrected.translation.x() - predicted.position.x();
   const float y_m = corrected.translation.y() - predicted.position.y();
-  const bool known = state() == TrackingState::kTracking;
-  odometry_.note_image_update(known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F, frame_step_s_);
+  const bool known = monitor_.state() == TrackingState::kTracking;
+  const bool sure = known && measurement_.counts().inliers >= 2 * monitor_.parameters().min_inliers;
+  const float turn_rad = wrap_angle(filter().mean_pose().heading - predicted.heading);
+  odometry_.note_image_update(known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F,
+                              known ? turn_rad : 0.0F, frame_step_s_, sure);
 }
 
 /// Grows the map while the pose holds, recognises the place while it does not. A place that the
@@ -230,7 +236,7 @@ Status FrameTracker<Config, Filter>::relocalise(Frame& frame, const Library& lib
 template <class Config, class Filter>
 VehicleMotion FrameTracker<Config, Filter>::motion() const {
   return {odometry_.speed_mps(), frame_step_s_, odometry_.yaw_variance(),
-          state() == TrackingState::kTracking};
+          monitor_.state() == TrackingState::kTracking};
 }
 
 template <class Config, class Filter>
@@ -286,6 +292,26 @@ NotTracked FrameTracker<Config, Filter>::why_not_tracked(Status status) const {
   const bool found =
       counts.matches >= monitor_.parameters().min_inliers && monitor_.enough_matches(counts);
   return found ? NotTracked::kNoConsensus : NotTracked::kNotFound;
+}
+
+/// Where inputs are in doubt the landmarks' agreement does not make the pose known.
+template <class Config, class Filter>
+TrackingState FrameTracker<Config, Filter>::state() const {
+  const TrackingState state = monitor_.state();
+  return state == TrackingState::kTracking && doubted() ? TrackingState::kUncertain : state;
+}
+
+/// The pictures contradict the odometry or the mount, odometry is silent and so the scale is not
+/// measured, or the body tilts by more than its suspension allows.
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::doubted() const {
+  constexpr float kTiltInSigmas = 5.0F;
+  if (odometry_.contradicted() || !odometry_.known() || mount_offset().any_suspect()) return true;
+  if (!filter().tilts()) return false;
+  const VehicleTilt<float> tilt = filter().tilt();
+  const TiltParameters<float>& usual = filter().parameters().tilt;
+  return abs(tilt.pitch) > kTiltInSigmas * usual.sigma_pitch_rad ||
+         abs(tilt.roll) > kTiltInSigmas * usual.sigma_roll_rad;
 }
 
 template <class Config, class Filter>
