@@ -86,6 +86,8 @@ class KeyframeWindow {
   /// A landmark that the newest keyframe sees first, its depth from those that are known (of the
   /// present view), else from the prior. Its slot, -1 when full.
   int add_landmark(LandmarkId id, const Vector2<T>& seen);
+  /// The same with a depth that is known: inverse depth in the newest keyframe, and its sigma.
+  int add_landmark(LandmarkId id, const Vector2<T>& seen, T inverse_depth, T sigma);
   /// Ends a keyframe: forgets landmarks without use, and asks for iterations.
   void finish_keyframe();
 
@@ -102,6 +104,8 @@ class KeyframeWindow {
   int keyframes() const { return order_.size(); }
   /// Keyframes since the start.
   int started() const { return started_; }
+  /// Whether the mirrored solution is out of question.
+  bool settled() const { return started_ > parameters_.mirrored_keyframes && mirror_left_ == 0; }
   /// Since clear(), how often the mirrored solution was taken.
   int mirrored() const { return mirrored_; }
   /// The newest keyframe. Domain: there is one.

@@ -66,7 +66,10 @@ void WindowTracker<Config>::note_weak(FrameContext& frame) {
   if (weak_frames_ <= parameters_.weak_frames && features_.size() >= parameters_.min_inliers)
     return;
   ++health_.losses;
-  lost_attitude_ = attitude_[window_.newest()];
+  if (!astray_) lost_attitude_ = attitude_[window_.newest()];
+  astray_ = !memory_.library_too_small();
+  astray_s_ = 0.0F;
+  memory_.begin();
   state_ = TrackingState::kLost;
   static_cast<void>(begin_anew(frame));
 }

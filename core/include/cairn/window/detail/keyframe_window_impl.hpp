@@ -141,6 +141,14 @@ bool KeyframeWindow<T, Bounds>::newest_sees(int slot, Vector2<T>& seen) const {
 
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& seen) {
+  const T typical = typical_inverse_depth(newest_pose());
+  const T prior = typical > T(0) ? typical : parameters_.first_inverse_depth;
+  return add_landmark(id, seen, prior, parameters_.depth_prior_sigma * prior);
+}
+
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& seen, T inverse_depth,
+                                            T sigma) {
   int slot = 0;
   while (slot < kLandmarks && landmarks_[slot].used) ++slot;
   if (slot == kLandmarks) return -1;
@@ -149,10 +157,9 @@ int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& see
   landmark.id = id;
   landmark.ray = seen;
   landmark.host = slot_of_[order_.back()];
-  const T typical = typical_inverse_depth(newest_pose());
-  landmark.prior = typical > T(0) ? typical : parameters_.first_inverse_depth;
-  landmark.prior_sigma = parameters_.depth_prior_sigma * landmark.prior;
-  landmark.sigma = landmark.prior_sigma;
+  landmark.prior = inverse_depth;
+  landmark.prior_sigma = sigma;
+  landmark.sigma = sigma;
   landmark.used = landmark.live = true;
   for (Solution& solution : solutions_) solution.rho[slot] = landmark.prior;
   observe(slot, seen);
