@@ -232,7 +232,9 @@ Status find_template(const ImageView& image, const SmallTemplate& reference, int
     columns.add(image.row(places.y0 - kHalf + i) + places.x0 - kHalf, columns_used);
   }
   Products products(places);
-  for (int y = places.y0 - kHalf; y < places.y0 + kHalf; ++y) products.add(image, y, t);
+  for (int row = places.y0 - kHalf; row < places.y0 + kHalf; ++row) {
+    products.add(image, row, t);
+  }
   Best best;
   for (int row = places.y0; row < places.y1; ++row) {
     products.add(image, row + kHalf, t);

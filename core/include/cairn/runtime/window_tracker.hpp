@@ -150,14 +150,15 @@ class WindowTracker {
   void drop_missed(FrameContext& frame, const Rigid<float>& pose);
   bool wants_keyframe() const;
   bool make_keyframe(FrameContext& frame);
+  void observe_features();
   void improve_window(FrameContext& frame);
   void note_weak(FrameContext& frame);
   bool begin_anew(FrameContext& frame);
   int known_depths() const;
   bool depths_hold() const;
   bool takes_points(const FrameContext& frame) const;
-  void keep_memory(FrameContext& frame, const FrameStep& step, bool holds);
-  void seek_map(FrameContext& frame);
+  void keep_memory(FrameContext& frame);
+  void seek_map(FrameContext& frame, const FrameStep& step, bool holds);
   void return_to_map(FrameContext& frame);
   void update_covariance();
 
@@ -185,6 +186,7 @@ class WindowTracker {
   float typical_inverse_depth_ = 0.0F;
   float astray_s_ = 0.0F;
   bool astray_ = false;
+  bool returned_ = false;      ///< to the map, since the last loss
   bool takes_points_ = false;  ///< the memory takes points of this frame
   int inliers_ = 0;
   int weak_frames_ = 0;

@@ -107,10 +107,12 @@ class WindowFeatures {
   void remove(int i) { features_.remove_unordered(i); }
   /// Adds landmarks to the window's newest keyframe, in parts of the picture without features.
   int add(FrameContext& frame, Window& window, LandmarkId& next_id);
-  /// Adds a landmark of known depth to the window's newest keyframe, without looking whether there
-  /// is one nearby. False where there is no room or no texture.
-  bool add_known(FrameContext& frame, Window& window, LandmarkId id, const Vector2<float>& pixel,
-                 float inverse_depth, float sigma);
+  /// Adds a feature for a landmark that the window has, seen by the newest keyframe. False where
+  /// there is no room, or no template.
+  bool add_known(const FrameContext& frame, int slot, const Vector2<float>& pixel);
+  bool full() const { return features_.full(); }
+  /// Whether a pixel is as far from all features as new ones are.
+  bool is_free(const FrameContext& frame, const Vector2<float>& pixel) const;
   /// Points of the picture beside the features that were found, spread over it, about `most`: the
   /// best of each block of two cells by two. They hold until add() is called.
   const Candidates& spread_points(FrameContext& frame, int most);
@@ -237,19 +239,24 @@ int WindowFeatures<Config>::add(FrameContext& frame, Window& window, LandmarkId&
 }
 
 template <class Config>
-bool WindowFeatures<Config>::add_known(FrameContext& frame, Window& window, LandmarkId id,
-                                       const Vector2<float>& pixel, float inverse_depth,
-                                       float sigma) {
+bool WindowFeatures<Config>::add_known(const FrameContext& frame, int slot,
+                                       const Vector2<float>& pixel) {
   if (features_.full()) return false;
   WindowFeature feature;
+  feature.slot = slot;
   feature.pixel = pixel;
   take_templates(frame, feature);
-  if (!feature.has_templates) return false;
-  const Vector3<float> ray = frame.camera.unproject(pixel);
-  feature.slot = window.add_landmark(id, Vector2<float>(ray.x(), ray.y()), inverse_depth, sigma);
-  if (feature.slot < 0) return false;
   feature.found = feature.in_library = feature.from_library = true;
-  return features_.push_back(feature);
+  return feature.has_templates && features_.push_back(feature);
+}
+
+template <class Config>
+bool WindowFeatures<Config>::is_free(const FrameContext& frame, const Vector2<float>& pixel) const {
+  const float least = parameters_.min_distance_share * static_cast<float>(frame.image.height);
+  for (const WindowFeature& feature : features_) {
+    if ((feature.pixel - pixel).squaredNorm() < square(least)) return false;
+  }
+  return true;
 }
 
 template <class Config>

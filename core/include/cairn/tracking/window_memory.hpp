@@ -49,6 +49,10 @@ class WindowMemory {
     float inlier_px = 6.0F;
     int min_found = 12;            ///< landmarks that make a place,
     float min_found_share = 0.3F;  ///< and of those sought
+    int reuse_visits = 64;         ///< library landmarks, in a frame
+    int reuse_searches = 4;        ///< of these
+    int reuse_q15 = 26214;         ///< correlation, 0.8
+    int reuse_radius_px = 2;       ///< in the quarter image
     int min_library = 16;          ///< landmarks; with fewer a lost tracker begins its map anew
     int mature_sightings = 10;  ///< a feature is archived at so many, and its record renewed each
                                 ///< time that the number doubles
@@ -61,8 +65,9 @@ class WindowMemory {
       const bool good = ok(recogniser.validate()) && radius(wide_radius_px) &&
                         radius(narrow_radius_px) && least_q15 >= 0 && least_q15 <= 1 << 15 &&
                         is_positive(inlier_px) && min_found >= 6 && min_found_share >= 0.0F &&
-                        min_found_share <= 1.0F && min_library >= 0 && mature_sightings >= 1 &&
-                        is_positive(max_depth_sigma);
+                        min_found_share <= 1.0F && reuse_visits >= 0 && reuse_searches >= 0 &&
+                        radius(reuse_radius_px) && reuse_q15 >= 0 && reuse_q15 <= 1 << 15 &&
+                        min_library >= 0 && mature_sightings >= 1 && is_positive(max_depth_sigma);
       return good ? Status::kOk : Status::kBadConfig;
     }
   };
@@ -73,6 +78,8 @@ class WindowMemory {
     health_ = Health{};
     recogniser_.reset();
     stage_ = Stage::kIdle;
+    next_slot_ = 0;
+    host_ = -1;
   }
   void forget() {
     library_.clear();
@@ -111,13 +118,27 @@ class WindowMemory {
   /// confirmed by the present image and the one before: place() is then what the present one shows.
   bool recognise(FrameContext& frame, Features& features, const Rigid<float>& T_camera_world);
   const Place& place() const { return place_; }
+  /// After recognise(): the landmarks of place() become features of the window, whose first
+  /// keyframe is at their pose.
+  void take_place(FrameContext& frame, Window& window, Features& features);
+  /// The window has a new keyframe.
+  void note_keyframe() { host_ = -1; }
+  /// Landmarks of a part of the library, each time of another one, become features where the frame,
+  /// at T_camera_world, finds them. Cost: reuse_visits projections and reuse_searches searches.
+  void reuse(FrameContext& frame, Window& window, Features& features,
+             const Rigid<float>& T_camera_world);
 
  private:
+  static constexpr int kStride = 97;  ///< coprime to any library: what is left out is spread
   enum class Stage : std::uint8_t { kIdle, kComparing, kFound, kProposed };
   static constexpr int kSelection = 120;  // units
   static constexpr int kVisit = 2 * LibraryConfig::kLibraryLandmarks * work::kLibrarySlot / 2;
   static int refinement_work(int count) { return work::kRefinement * count / 24; }
 
+  bool expected_view(const FrameContext& frame, int slot, const Rigid<float>& T_map_camera,
+                     Vector2<float>& pixel) const;
+  void take(FrameContext& frame, Window& window, Features& features, const Seen& seen,
+            const Rigid<float>& T_camera_map);
   bool look(FrameContext& frame, const Features& features, int radius);
   void seek(FrameContext& frame, const Features& features, int radius);
   bool refine(FrameContext& frame);
@@ -134,6 +155,9 @@ class WindowMemory {
   Recogniser recogniser_;
   SmallTemplate quarter_[LibraryConfig::kLibraryLandmarks];  ///< of each slot, as archived
   Stage stage_ = Stage::kIdle;
+  int next_slot_ = 0;            ///< before the next one that reuse() visits
+  int host_ = -1;                ///< of reused landmarks, in the window, until its next keyframe
+  Rigid<float> T_host_map_;      ///< its pose
   Rigid<float> T_camera_world_;  ///< where the tracker believed to be, when place_ was
   Place place_;
   PoseObservation<float> observations_[kMaxSought];
@@ -296,35 +320,43 @@ bool WindowMemory<Config>::look(FrameContext& frame, const Features& features, i
              parameters_.min_found_share * static_cast<float>(place_.sought);
 }
 
+/// Where a camera should see a landmark, and as it was seen when it was archived. False where it
+/// should not.
 template <class Config>
-void WindowMemory<Config>::seek(FrameContext& frame, const Features& features, int radius) {
-  constexpr int kStride = 97;  // coprime to any library of fewer: what is left out is spread
+bool WindowMemory<Config>::expected_view(const FrameContext& frame, int slot,
+                                         const Rigid<float>& T_map_camera,
+                                         Vector2<float>& pixel) const {
   constexpr float kLeastScale = 0.7F;
   constexpr float kMostScale = 1.5F;
   constexpr float kLeastCosine = 0.75F;
   constexpr float kMargin_px = 24.0F;
+  const auto& landmark = library_[slot];
+  ViewPrediction<float> expected;
+  if (!ok(predict_view(frame.camera, T_map_camera, landmark.p_map, landmark.views[0], expected)) ||
+      !frame.camera.contains(expected.pixel, kMargin_px) || expected.scale_ratio < kLeastScale ||
+      expected.scale_ratio > kMostScale || expected.cosine < kLeastCosine) {
+    return false;
+  }
+  pixel = expected.pixel;
+  return true;
+}
+
+template <class Config>
+void WindowMemory<Config>::seek(FrameContext& frame, const Features& features, int radius) {
   place_.seen.clear();
   place_.sought = 0;
   frame.work.spend(library_.size() * work::kLibrarySlot / 2);
   for (int i = 0; i < library_.size() && place_.sought < kMaxSought; ++i) {
-    const int slot = (i * kStride) % library_.size();
-    const auto& landmark = library_[slot];
-    ViewPrediction<float> expected;
-    if (!ok(predict_view(frame.camera, place_.T_map_camera, landmark.p_map, landmark.views[0],
-                         expected)) ||
-        !frame.camera.contains(expected.pixel, kMargin_px) || expected.scale_ratio < kLeastScale ||
-        expected.scale_ratio > kMostScale || expected.cosine < kLeastCosine) {
-      continue;
-    }
-    ++place_.sought;
     Seen seen;
-    seen.slot = slot;
+    seen.slot = (i * kStride) % library_.size();
+    Vector2<float> expected;
+    if (!expected_view(frame, seen.slot, place_.T_map_camera, expected)) continue;
+    ++place_.sought;
     frame.work.spend(work::template_search(radius));
-    if (!features.find_coarsely(quarter_[slot], expected.pixel, radius, parameters_.least_q15,
-                                seen.pixel)) {
-      continue;
+    if (features.find_coarsely(quarter_[seen.slot], expected, radius, parameters_.least_q15,
+                               seen.pixel)) {
+      static_cast<void>(place_.seen.push_back(seen));
     }
-    static_cast<void>(place_.seen.push_back(seen));
   }
 }
 
@@ -362,6 +394,74 @@ bool WindowMemory<Config>::refine(FrameContext& frame) {
   }
   seen.resize(kept);
   return true;
+}
+
+/// At its place in the map, as its host sees it, which is fixed: so that the map's frame and scale
+/// hold.
+template <class Config>
+void WindowMemory<Config>::take(FrameContext& frame, Window& window, Features& features,
+                                const Seen& seen, const Rigid<float>& T_camera_map) {
+  constexpr float kInflation = 2.0F;  // of the sigma: errors of neighbours are correlated
+  constexpr float kLeastSigma = 0.03F;
+  constexpr float kLeastDepth = 0.2F;  // of its distance from the host
+  const auto& landmark = library_[seen.slot];
+  if (host_ < 0) {
+    T_host_map_ = T_camera_map;
+    host_ = window.add_host(T_host_map_);
+  }
+  const Vector3<float> p = T_host_map_ * landmark.p_map;
+  const float squared = p.squaredNorm();
+  if (!(p.z() > kLeastDepth * sqrt(squared))) return;
+  const Vector3<float> ray = T_host_map_.rotation.conjugate() * p;
+  const float along = sqrt(ray.dot(landmark.covariance * ray) / squared) / sqrt(squared);
+  const float relative = kInflation * (along > kLeastSigma ? along : kLeastSigma);
+  const float rho = 1.0F / p.z();
+  const int slot = window.add_known_landmark(
+      landmark.id, host_, Vector2<float>(p.x() * rho, p.y() * rho), rho, relative * rho);
+  if (slot < 0) return;
+  if (!features.add_known(frame, slot, seen.pixel)) {
+    window.retire(slot);
+    return;
+  }
+  static_cast<void>(library_.record(landmark.id, true));
+  ++frame.report.reactivated;
+  ++frame.health.landmarks_reactivated;
+}
+
+template <class Config>
+void WindowMemory<Config>::take_place(FrameContext& frame, Window& window, Features& features) {
+  host_ = -1;
+  const Rigid<float> T_camera_map = place_.T_map_camera.inverse();
+  for (const Seen& seen : place_.seen) take(frame, window, features, seen, T_camera_map);
+}
+
+template <class Config>
+void WindowMemory<Config>::reuse(FrameContext& frame, Window& window, Features& features,
+                                 const Rigid<float>& T_camera_world) {
+  const int search = work::template_search(parameters_.reuse_radius_px) + work::kWindowLandmark;
+  const int visits =
+      parameters_.reuse_visits < library_.size() ? parameters_.reuse_visits : library_.size();
+  if (!frame.work.take(visits * work::kLibrarySlot / 2 + parameters_.reuse_searches * search)) {
+    return;
+  }
+  const Rigid<float> T_map_camera = T_camera_world.inverse();
+  int searches = 0;
+  for (int i = 0; i < visits && searches < parameters_.reuse_searches; ++i) {
+    next_slot_ = (next_slot_ + 1) % library_.size();
+    Seen seen;
+    seen.slot = next_slot_;
+    Vector2<float> expected;
+    if (features.full() || !expected_view(frame, seen.slot, T_map_camera, expected) ||
+        !features.is_free(frame, expected)) {
+      continue;
+    }
+    ++searches;
+    if (features.find_coarsely(quarter_[seen.slot], expected, parameters_.reuse_radius_px,
+                               parameters_.reuse_q15, seen.pixel) &&
+        features.is_free(frame, seen.pixel)) {
+      take(frame, window, features, seen, T_camera_world);
+    }
+  }
 }
 
 }  // namespace cairn

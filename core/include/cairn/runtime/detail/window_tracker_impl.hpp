@@ -35,7 +35,7 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   for (Matrix3<float>& attitude : attitude_) attitude.setZero();
   lost_attitude_.setZero();
   blind_s_ = typical_inverse_depth_ = astray_s_ = 0.0F;
-  astray_ = takes_points_ = false;
+  astray_ = returned_ = takes_points_ = false;
   inliers_ = weak_frames_ = since_keyframe_ = frames_without_step_ = 0;
   return Status::kOk;
 }
@@ -108,8 +108,9 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
     note_weak(frame);
     if (state_ == TrackingState::kLost) status = Status::kLost;
   }
-  keep_memory(frame, step, holds);
+  seek_map(frame, step, holds);
   improve_window(frame);
+  if (holds) keep_memory(frame);
   update_covariance();
   timer.end(Stage::kPoseUpdate);
   return status;

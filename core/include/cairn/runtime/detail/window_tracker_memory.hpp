@@ -28,56 +28,41 @@ bool WindowTracker<Config>::takes_points(const FrameContext& frame) const {
   return frame.work.affords(searches + 3 * work::window_pose(parameters_.astray_features) + wanted);
 }
 
-/// Archives what is known; while astray, looks for the place in the library.
+/// With what the window left of the frame's work: archives what is known and, after a return to the
+/// map, takes up what comes into view of it.
 template <class Config>
-void WindowTracker<Config>::keep_memory(FrameContext& frame, const FrameStep& step, bool holds) {
-  if (!astray_) {
-    if (holds && window_.settled()) {
-      memory_.archive_due(frame, window_, features_, T_camera_world_, parameters_.window.sigma);
-    }
-    return;
-  }
+void WindowTracker<Config>::keep_memory(FrameContext& frame) {
+  if (astray_ || !window_.settled()) return;
+  memory_.archive_due(frame, window_, features_, T_camera_world_, parameters_.window.sigma);
+  if (returned_) memory_.reuse(frame, window_, features_, T_camera_world_);
+}
+
+/// While astray the place is sought in the library, for some time.
+template <class Config>
+void WindowTracker<Config>::seek_map(FrameContext& frame, const FrameStep& step, bool holds) {
+  if (!astray_) return;
   if (holds) astray_s_ += static_cast<float>(step.us) * 1e-6F;
   if (astray_s_ > parameters_.forget_s) {
     memory_.forget();
     astray_ = false;
     return;
   }
-  if (window_.keyframes() > 0) seek_map(frame);
-}
-
-template <class Config>
-void WindowTracker<Config>::seek_map(FrameContext& frame) {
-  if (memory_.recognise(frame, features_, T_camera_world_)) return_to_map(frame);
+  if (window_.keyframes() > 0 && memory_.recognise(frame, features_, T_camera_world_)) {
+    return_to_map(frame);
+  }
 }
 
 /// The window begins anew at the pose in the map, with the landmarks that are seen there at their
 /// depth in the map: its frame and scale are the map's again.
 template <class Config>
 void WindowTracker<Config>::return_to_map(FrameContext& frame) {
-  constexpr float kInflation = 2.0F;  // of the sigma: errors of neighbours are correlated
-  constexpr float kLeastSigma = 0.03F;
-  const typename Memory::Place& place = memory_.place();
-  const Rigid<float>& T_map_camera = place.T_map_camera;
-  T_camera_world_ = T_map_camera.inverse();
+  T_camera_world_ = memory_.place().T_map_camera.inverse();
   window_.clear(parameters_.window.first_inverse_depth);
   features_.clear();
   motion_.forget_velocity();
   window_.begin_keyframe(T_camera_world_);
-  for (const typename Memory::Seen& seen : place.seen) {
-    const auto& landmark = memory_.library()[seen.slot];
-    const Vector3<float> p = T_camera_world_ * landmark.p_map;
-    const Vector3<float> ray = landmark.p_map - T_map_camera.translation;
-    const float squared = ray.squaredNorm();
-    const float along = sqrt(ray.dot(landmark.covariance * ray) / squared) / sqrt(squared);
-    const float relative = kInflation * (along > kLeastSigma ? along : kLeastSigma);
-    if (!features_.add_known(frame, window_, landmark.id, seen.pixel, 1.0F / p.z(),
-                             relative / p.z())) {
-      continue;
-    }
-    ++frame.report.reactivated;
-    ++health_.landmarks_reactivated;
-  }
+  memory_.take_place(frame, window_, features_);
+  observe_features();
   static_cast<void>(features_.add(frame, window_, next_id_));
   at_keyframe_ = features_.size();
   window_.finish_keyframe();
@@ -85,6 +70,7 @@ void WindowTracker<Config>::return_to_map(FrameContext& frame) {
   attitude_[window_.newest()] = lost_attitude_;
   blind_s_ = 0.0F;
   astray_ = false;
+  returned_ = true;
   state_ = TrackingState::kTracking;
   frame.report.relocalised = true;
   ++health_.relocalisations;
