@@ -21,7 +21,7 @@ else
   source=(hall --mode handheld --max-frames 240)
 fi
 if [ ! -f "$out/camera.y4m" ]; then
-  build/host/bin/cairn_sim run "${source[@]}" --no-video --force --out "$out/camera" --record "$out/camera.log"
+  build/host/bin/cairn_sim run "${source[@]}" --filter mono --no-video --force --out "$out/camera" --record "$out/camera.log"
   /usr/bin/python3 tests/web/make_y4m.py "$out/camera.log" "$out/camera.y4m"
   rm "$out/camera.log"
 fi

@@ -53,7 +53,7 @@ TrackerOptions tracker_of(const SourceInfo& info, const Frame& first, std::uint6
   options.seed = seed;
   if (!info.odometry.has_value()) {
     options.mode = Mode::kHandheld;
-    options.filter = kDefaultHandheldFilter;
+    options.filter = kMonoFilter;
     return options;
   }
   start_at(first, options);

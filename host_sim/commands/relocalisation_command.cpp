@@ -96,14 +96,16 @@ void write_trials(const std::filesystem::path& folder, const std::vector<KidnapT
   file.finish();
 }
 
-nlohmann::json summarise(const std::vector<CutTrial>& trials, bool black, int length) {
+nlohmann::json summarise(const std::vector<CutTrial>& trials, CutKind kind, int length) {
   constexpr double kFalse_m = 0.3;
-  int count = 0, in_time = 0, wrong = 0, silent = 0;
+  int count = 0, seen = 0, in_time = 0, wrong = 0, silent = 0;
   std::vector<double> errors, undisturbed;
   for (const CutTrial& trial : trials) {
-    if (trial.black != black || trial.length != length) continue;
+    if (trial.kind != kind || trial.length != length) continue;
     ++count;
-    in_time += trial.frames_to_recovery >= 0 && trial.frames_to_recovery <= 2 * kFramesPerSecond;
+    seen += trial.frames_to_seen >= 0;
+    in_time += trial.frames_to_recovery >= 0 && trial.frames_to_seen >= 0 &&
+               trial.frames_to_recovery - trial.frames_to_seen <= 2 * kFramesPerSecond;
     wrong += trial.tracking && trial.error_m > kFalse_m ? 1 : 0;
     silent += trial.said_lost ? 0 : 1;
     if (!trial.tracking) continue;
@@ -115,9 +117,10 @@ nlohmann::json summarise(const std::vector<CutTrial>& trials, bool black, int le
     std::sort(v.begin(), v.end());
     return nlohmann::json(v[v.size() / 2]);
   };
-  return {{"kind", black ? "black" : "cut"},
+  return {{"kind", to_string(kind)},
           {"frames_blind", length},
           {"trials", count},
+          {"seen_again", seen},
           {"recovered_in_2_s", in_time},
           {"false_recoveries", wrong},
           {"loss_not_reported", silent},
@@ -128,12 +131,13 @@ nlohmann::json summarise(const std::vector<CutTrial>& trials, bool black, int le
 void write_trials(const std::filesystem::path& folder, const std::vector<CutTrial>& trials) {
   OutputFile file(folder / "cut.csv");
   file.print(
-      "kind,frames_blind,start,library,said_lost,frames_to_recovery,tracking,error_m,"
+      "kind,frames_blind,start,library,said_lost,frames_to_seen,frames_to_recovery,tracking,error_"
+      "m,"
       "undisturbed_error_m\n");
   for (const CutTrial& t : trials) {
-    file.print("{},{},{},{},{},{},{},{:.4f},{:.4f}\n", t.black ? "black" : "cut", t.length, t.start,
-               t.library, t.said_lost ? 1 : 0, t.frames_to_recovery, t.tracking ? 1 : 0, t.error_m,
-               t.undisturbed_error_m);
+    file.print("{},{},{},{},{},{},{},{},{:.4f},{:.4f}\n", to_string(t.kind), t.length, t.start,
+               t.library, t.said_lost ? 1 : 0, t.frames_to_seen, t.frames_to_recovery,
+               t.tracking ? 1 : 0, t.error_m, t.undisturbed_error_m);
   }
   file.finish();
 }
@@ -159,16 +163,18 @@ ExitCode run_cut(const RelocalisationOptions& options, const std::string& comman
                             {"version", build_info().version},
                             {"cut", nlohmann::json::array()}};
   bool holds = true;
-  fmt::print("{:<8} {:>6} {:>7} {:>12} {:>6} {:>18} {:>15} {:>15}\n", "kind", "blind", "trials",
-             "back in 2 s", "false", "loss not reported", "median error m", "undisturbed m");
-  for (const bool black : {false, true}) {
+  fmt::print("{:<8} {:>6} {:>7} {:>11} {:>12} {:>6} {:>18} {:>15} {:>15}\n", "kind", "blind",
+             "trials", "seen again", "back in 2 s", "false", "loss not reported", "median error m",
+             "undisturbed m");
+  for (const CutKind kind : kCutKinds) {
     for (const int length : settings.lengths) {
-      const nlohmann::json row = summarise(trials, black, length);
+      const nlohmann::json row = summarise(trials, kind, length);
       holds = holds && row["false_recoveries"] == 0 && row["loss_not_reported"] == 0;
-      fmt::print("{:<8} {:>6} {:>7} {:>12} {:>6} {:>18} {:>15} {:>15}\n",
+      fmt::print("{:<8} {:>6} {:>7} {:>11} {:>12} {:>6} {:>18} {:>15} {:>15}\n",
                  row["kind"].get<std::string>(), length, row["trials"].get<int>(),
-                 row["recovered_in_2_s"].get<int>(), row["false_recoveries"].get<int>(),
-                 row["loss_not_reported"].get<int>(), row["median_error_m"].dump().substr(0, 6),
+                 row["seen_again"].get<int>(), row["recovered_in_2_s"].get<int>(),
+                 row["false_recoveries"].get<int>(), row["loss_not_reported"].get<int>(),
+                 row["median_error_m"].dump().substr(0, 6),
                  row["median_undisturbed_error_m"].dump().substr(0, 6));
       summary["cut"].push_back(row);
     }
@@ -247,6 +253,9 @@ void register_relocalisation_command(CommandContext& context) {
       ->check(not_negative());
   command->add_option("--seed", options->kidnap.seed, "Seed of the hall and of the trials")
       ->check(seed_number());
+  command->add_option("--filter", options->cut.filter, "Hand-held estimator")
+      ->check(CLI::IsMember({"window", "mono"}))
+      ->capture_default_str();
   command->add_option("--out", options->out, "Folder of the results")->required();
   command->callback([options, &context] {
     context.exit_code = options->source.empty() ? run_kidnapped(*options, context.command_line)

@@ -67,7 +67,7 @@ std::string filter_of(const RunOptions& options, Mode mode) {
   if (options.filter.empty()) {
     return mode == Mode::kVehicle ? kDefaultVehicleFilter : kDefaultHandheldFilter;
   }
-  const bool handheld = options.filter == kDefaultHandheldFilter || options.filter == kWindowFilter;
+  const bool handheld = options.filter == kMonoFilter || options.filter == kWindowFilter;
   if (mode == Mode::kHandheld && !handheld) {
     throw UsageError(
         fmt::format("--filter {}: handheld mode runs with mono or window", options.filter));
@@ -88,9 +88,6 @@ void check_window_options(const RunOptions& options) {
         "--measurement, --corner-score, --estimate-focal-length: only for --filter mono");
   }
   if (!options.fading.empty()) throw UsageError("--fading: only for --filter mono");
-  if (!options.record.empty()) {
-    throw UsageError("--record: input logs are not replayed with --filter window");
-  }
 }
 
 /// Vehicle runs start at the first true pose; a variance that is asked for draws the start error.

@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 
 def run(args, rest, score, later):
     out = args.out / f"{score}-{later}"
-    command = [args.program, "run", args.source, "--mode", "handheld", "--no-video", "--force", "--out", out,
+    command = [args.program, "run", args.source, "--mode", "handheld", "--filter", "mono", "--no-video", "--force", "--out", out,
                "--first-frame", str(args.first + later), "--corner-score", str(score), *rest]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return json.loads((out / "summary.json").read_text(encoding="utf-8"))

@@ -14,8 +14,9 @@
 namespace cairn::host {
 
 inline constexpr const char* kDefaultVehicleFilter = "group-iekf";
-inline constexpr const char* kDefaultHandheldFilter = "mono";
+inline constexpr const char* kMonoFilter = "mono";
 inline constexpr const char* kWindowFilter = "window";
+inline constexpr const char* kDefaultHandheldFilter = kWindowFilter;
 inline constexpr double kDefaultBudgetMs = kPaperTotalMs;
 /// Of each coordinate of a start that is known, m^2 and rad^2.
 inline constexpr double kKnownStartVariance = 1e-6;

@@ -91,6 +91,9 @@ template <class Config, class OnFrame>
 Status replay_frames(InputLogReader<LogFile>& reader, const InputLogHeader& header,
                      OnFrame& on_frame) {
   constexpr int kMax = Config::kMaxLandmarks;
+  if (header.mode == LogMode::kHandheld && header.filter == LogFilter::kWindow) {
+    return replay_on<WindowTracker<Config>>(reader, header, on_frame);
+  }
   if (header.mode == LogMode::kHandheld) {
     return replay_on<HandheldTracker<Config>>(reader, header, on_frame);
   }
@@ -102,6 +105,7 @@ Status replay_frames(InputLogReader<LogFile>& reader, const InputLogHeader& head
                                                                                on_frame);
     case LogFilter::kGroupIekf:
     case LogFilter::kMono:
+    case LogFilter::kWindow:
       break;
   }
   return replay_on<VehicleTracker<Config, GroupIekfSlam<float, kMax, 3>>>(reader, header, on_frame);

@@ -12,6 +12,7 @@ namespace {
 
 LogFilter to_log_filter(const std::string& name) {
   if (name == "mono") return LogFilter::kMono;
+  if (name == kWindowFilter) return LogFilter::kWindow;
   if (name == "ekf") return LogFilter::kEkf;
   if (name == "lifted-iekf") return LogFilter::kLiftedIekf;
   return LogFilter::kGroupIekf;

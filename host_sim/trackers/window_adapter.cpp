@@ -22,6 +22,7 @@ class WindowAdapter : public Tracker {
   WindowAdapter(const TrackerOptions& options, const SourceInfo& source)
       : core_(std::make_unique<Core>()) {
     typename Core::Parameters parameters;
+    parameters.seed = options.seed;
     if (options.work_limit) parameters.work_limit = *options.work_limit;
     if (options.handheld.sigma_px) {
       parameters.sigma_px = static_cast<float>(*options.handheld.sigma_px);
@@ -62,6 +63,12 @@ class WindowAdapter : public Tracker {
       all.push_back({core_->feature_id(i), p.template cast<double>(),
                      covariance.template cast<double>(), true});
     }
+    const auto& library = core_->library();
+    for (int slot = 0; slot < library.size(); ++slot) {
+      if (core_->follows(library[slot].id)) continue;
+      all.push_back({library[slot].id, library[slot].p_map.template cast<double>(),
+                     library[slot].covariance.template cast<double>(), false});
+    }
     return all;
   }
 
@@ -77,6 +84,7 @@ class WindowAdapter : public Tracker {
            R_world_camera.transpose();
   }
 
+  int library_size() const override { return core_->library().size(); }
   int landmark_capacity() const override { return Core::kMaxFeatures; }
   Health health() const override { return core_->health(); }
   const Augmenter* objects() const override { return &objects_.augmenter(); }

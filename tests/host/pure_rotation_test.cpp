@@ -46,6 +46,7 @@ RunRecord track(const std::filesystem::path& folder, const std::filesystem::path
   EXPECT_TRUE(source->next(frame));
   TrackerOptions options;
   options.mode = Mode::kHandheld;
+  options.filter = kMonoFilter;
   options.filter = "mono";
   const std::unique_ptr<Tracker> tracker = make_tracker(options, source->info());
   RunnerSettings settings;

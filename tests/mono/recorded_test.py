@@ -23,7 +23,7 @@ def main():
     failed = False
     for first in (0, 150, 153):
         with tempfile.TemporaryDirectory() as out:
-            subprocess.run([program, "run", f"seven-scenes:{recording}", "--mode", "handheld", "--no-video",
+            subprocess.run([program, "run", f"seven-scenes:{recording}", "--filter", "mono", "--no-video",
                             "--first-frame", str(first), "--out", out], check=True, stdout=subprocess.DEVNULL)
             summary = json.loads((Path(out) / "summary.json").read_text(encoding="utf-8"))
         ate = summary["trajectory"]["ate_rmse_m"]

@@ -6,7 +6,8 @@
 // picture's hash; --ticks: print the port's ticks per stage and frame, what the frame counted
 // (corners, searched, matches, inliers, landmarks), and the stack used
 //
-// CAIRN_REPLAY_VEHICLE chooses the tracker, CAIRN_REPLAY_CONFIG its capacities.
+// CAIRN_REPLAY_TRACKER chooses the tracker (0 HandheldTracker, 1 VehicleTracker, 2 WindowTracker),
+// CAIRN_REPLAY_CONFIG its capacities.
 
 #include "cairn/runtime/replay.hpp"
 
@@ -18,6 +19,7 @@
 #include "cairn/port/files.h"
 #include "cairn/port/port.h"
 #include "cairn/runtime/augmentation.hpp"
+#include "cairn/runtime/window_augmentation.hpp"
 
 #include "text.hpp"
 
@@ -45,9 +47,11 @@ using cairn_test::write_decimal;
 using cairn_test::write_hex64;
 
 using Config = cairn::CAIRN_REPLAY_CONFIG;
-#if CAIRN_REPLAY_VEHICLE
+#if CAIRN_REPLAY_TRACKER == 1
 using Tracker =
     cairn::VehicleTracker<Config, cairn::GroupIekfSlam<float, Config::kMaxLandmarks, 3>>;
+#elif CAIRN_REPLAY_TRACKER == 2
+using Tracker = cairn::WindowTracker<Config>;
 #else
 using Tracker = cairn::HandheldTracker<Config>;
 #endif

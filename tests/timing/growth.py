@@ -55,6 +55,8 @@ def record(source, mode=None):
                "--record", log]
     if not source.startswith("stress"):
         command += ["--mode", mode, "--max-frames", "60"]
+    if "handheld" in (mode or source):
+        command += ["--filter", "mono"]
     subprocess.run(command, check=True, capture_output=True, cwd=ROOT)
     return log
 

@@ -43,7 +43,7 @@ def main():
     summary, text = section("Hall, vehicle", OUT / "hall")
     text += "![Histogram of the frames' times](timing-host.png)\n\n"
     if (ROOT / SCENES).exists():
-        run(f"seven-scenes:{SCENES}", "--out", OUT / "seven-scenes")
+        run(f"seven-scenes:{SCENES}", "--filter", "mono", "--out", OUT / "seven-scenes")
         text += section("Seven-scenes, hand-held", OUT / "seven-scenes")[1]
     if "--quick" not in sys.argv[1:]:
         run("--worst-case", "--out", OUT / "worst-case")

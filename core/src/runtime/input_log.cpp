@@ -197,7 +197,7 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::ui
   const std::uint8_t filter = unpack.u8();
   const std::uint8_t odometry_kind = unpack.u8();
   const std::uint8_t adaptive = unpack.u8();
-  if (mode > 1 || filter > 3 || odometry_kind > 1 || adaptive > 1) return Status::kBadConfig;
+  if (mode > 1 || filter > 4 || odometry_kind > 1 || adaptive > 1) return Status::kBadConfig;
   header.mode = static_cast<LogMode>(mode);
   header.filter = static_cast<LogFilter>(filter);
   header.odometry_kind = static_cast<OdometrySample::Kind>(odometry_kind);

@@ -4,7 +4,6 @@
 
 #include "cairn/numeric/math.hpp"
 #include "cairn/vision/detail/patch_rows.hpp"
-#include "cairn/vision/detail/word_dsp.hpp"
 
 namespace cairn {
 namespace {
@@ -68,6 +67,76 @@ std::int32_t product(const std::uint8_t* p, std::ptrdiff_t stride, const std::in
   return sum;
 }
 
+/// A row of pixels, for products with rows of the template.
+class PixelRow {
+ public:
+#if defined(__ARM_FEATURE_SIMD32)
+  /// Each word holds a pixel and its right neighbour.
+  PixelRow(const std::uint8_t* row, int count) {
+    std::uint32_t left = row[0];
+    for (int i = 0; i + 1 < count; ++i) {
+      const std::uint32_t right = row[i + 1];
+      words_[i] = left | (right << 16U);
+      left = right;
+    }
+    for (int i = count - 1; i < count + 1; ++i) words_[i] = i < count ? left : 0U;
+  }
+  /// Adds to each of `places` sums the product of the pixels from there on with a template's row.
+  void add_products(const std::int16_t* values, int places, std::int32_t* sums) const {
+    std::uint32_t v[kPitch / 2];
+    std::memcpy(v, values, sizeof v);
+    for (int i = 0; i < places; i += 2) {
+      const std::uint32_t* const w = words_ + i;
+      std::int32_t even = sums[i];
+      std::int32_t odd = sums[i + 1];
+      for (int k = 0; k < kPitch / 2; ++k) {
+        even = vision::add_products(w[2 * k], v[k], even);
+        odd = vision::add_products(w[2 * k + 1], v[k], odd);
+      }
+      sums[i] = even;
+      sums[i + 1] = odd;
+    }
+  }
+
+ private:
+  std::uint32_t words_[kMaxColumns + 3];
+#else
+  PixelRow(const std::uint8_t* row, int /*count*/) : row_(row) {}
+  void add_products(const std::int16_t* values, int places, std::int32_t* sums) const {
+    for (int column = 0; column < kSide; ++column) {
+      for (int i = 0; i < places; ++i) sums[i] += row_[i + column] * values[column];
+    }
+  }
+
+ private:
+  const std::uint8_t* row_;
+#endif
+};
+
+/// Products of the template with the pixels at the places of kSide rows, each row of pixels read
+/// once: a row of places is whole once the last row of its pixels was added.
+class Products {
+ public:
+  explicit Products(const Rect& places) : places_(places) {}
+
+  void add(const ImageView& image, int y, const Reference& reference) {
+    const int columns = places_.width() + kSide - 1;
+    const PixelRow row(image.row(y) + places_.x0 - kHalf, columns);
+    for (int r = 0; r < kSide; ++r) {
+      const int place = y + kHalf - r;
+      if (place < places_.y0 || place >= places_.y1) continue;
+      std::int32_t* const sums = sums_[place % kSide];
+      if (r == 0) std::memset(sums, 0, sizeof sums_[0]);
+      row.add_products(reference.values + r * kPitch, places_.width(), sums);
+    }
+  }
+  const std::int32_t* at(int place_row) const { return sums_[place_row % kSide]; }
+
+ private:
+  Rect places_;
+  std::int32_t sums_[kSide][kMaxPlaces + 1];
+};
+
 struct Best {
   int x = -1;
   int y = -1;
@@ -75,7 +144,7 @@ struct Best {
 };
 
 /// Keeps the best of a row of places that starts at (x, y).
-void try_row(const ImageView& image, int x, int y, int places, const Columns& columns,
+void try_row(int x, int y, int places, const std::int32_t* products, const Columns& columns,
              const Reference& reference, Best& best) {
   std::int32_t sum = 0;
   std::int32_t squares = 0;
@@ -83,12 +152,10 @@ void try_row(const ImageView& image, int x, int y, int places, const Columns& co
     sum += columns.sums[i];
     squares += columns.squares[i];
   }
-  const std::uint8_t* p = image.row(y - kHalf) + x - kHalf;
-  for (int i = 0; i < places; ++i, ++p) {
+  for (int i = 0; i < places; ++i) {
     sum += columns.sums[i + kSide - 1];
     squares += columns.squares[i + kSide - 1];
-    const std::int32_t covariance =
-        kPixels * product(p, image.stride, reference.values) - sum * reference.sum;
+    const std::int32_t covariance = kPixels * products[i] - sum * reference.sum;
     const std::int32_t spread = kPixels * squares - sum * sum;
     sum -= columns.sums[i];
     squares -= columns.squares[i];
@@ -164,13 +231,18 @@ Status find_template(const ImageView& image, const SmallTemplate& reference, int
   for (int i = 0; i < kSide; ++i) {
     columns.add(image.row(places.y0 - kHalf + i) + places.x0 - kHalf, columns_used);
   }
+  Products products(places);
+  for (int row = places.y0 - kHalf; row < places.y0 + kHalf; ++row) {
+    products.add(image, row, t);
+  }
   Best best;
   for (int row = places.y0; row < places.y1; ++row) {
+    products.add(image, row + kHalf, t);
     if (row > places.y0) {
       columns.move(image.row(row - 1 - kHalf) + places.x0 - kHalf,
                    image.row(row + kHalf) + places.x0 - kHalf, columns_used);
     }
-    try_row(image, places.x0, row, places.width(), columns, t, best);
+    try_row(places.x0, row, places.width(), products.at(row), columns, t, best);
   }
   const bool inside =
       best.x > places.x0 && best.x < places.x1 - 1 && best.y > places.y0 && best.y < places.y1 - 1;

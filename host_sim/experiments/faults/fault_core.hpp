@@ -26,7 +26,7 @@ class CoreRun {
 
   Status start() {
     TrackerOptions options = scene_.options();
-    options.filter = scene_.vehicle() ? kDefaultVehicleFilter : kDefaultHandheldFilter;
+    options.filter = scene_.vehicle() ? kDefaultVehicleFilter : kMonoFilter;
     return start_replay(to_log_header(options, scene_.info(), scene_.frames().front().t_us), core_);
   }
 

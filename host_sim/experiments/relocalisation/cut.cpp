@@ -1,91 +1,169 @@
 #include "host_sim/experiments/relocalisation/cut.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/evaluation/trajectory_evaluation.hpp"
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/replay/core_trackers.hpp"
+#include "host_sim/trackers/tracker.hpp"
 
 namespace cairn::host {
 namespace {
 
-using Tracker = HandheldTracker<DefaultConfig>;
-
-FrameReport feed(Tracker& tracker, const Frame& frame, const cv::Mat& picture) {
-  FrameReport report;
-  static_cast<void>(tracker.process_frame(to_view(picture), frame.t_us, TickSource{}, report));
-  return report;
-}
-
 struct Recording {
+  SourceInfo info;
   std::vector<Frame> frames;
   std::vector<FrameReport> undisturbed;
 };
 
-/// Position error of a pose at a frame, the undisturbed estimate before `start` laid over the
-/// truth. Nothing where that is not enough.
-std::optional<double> error_m(const Recording& recording, int start, const Rigid<double>& pose,
-                              int frame) {
+const Frame& frame_at(const Recording& recording, int index) {
+  return recording.frames[static_cast<std::size_t>(index)];
+}
+
+FrameReport feed(Tracker& tracker, const Frame& frame) {
+  FrameReport report;
+  cv::Mat overlay = frame.grey.clone();
+  static_cast<void>(tracker.process(frame, overlay, report));
+  return report;
+}
+
+/// Of the undisturbed estimate before `start`, laid over the truth.
+struct Overlay {
+  TrajectoryEvaluation evaluation;
+  Rigid<double> from;
+
+  double error_m(const Recording& recording, const Rigid<double>& pose, int frame) const {
+    const Rigid<double>& to = evaluation.aligned.front();
+    const Quaternion<double> turn = to.rotation * from.rotation.conjugate();
+    const Vector3<double> p =
+        to.translation + evaluation.scale * (turn * (pose.translation - from.translation));
+    return (p - frame_at(recording, frame).true_T_world_camera->translation).norm();
+  }
+};
+
+std::optional<Overlay> overlay_before(const Recording& recording, int start) {
   std::vector<Rigid<double>> estimate, truth;
   for (int i = 0; i < start; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    if (recording.undisturbed[k].state != TrackingState::kTracking) continue;
-    estimate.push_back(to_double(recording.undisturbed[k].T_map_camera));
-    truth.push_back(*recording.frames[k].true_T_world_camera);
+    const FrameReport& report = recording.undisturbed[static_cast<std::size_t>(i)];
+    if (report.state != TrackingState::kTracking) continue;
+    estimate.push_back(to_double(report.T_map_camera));
+    truth.push_back(*frame_at(recording, i).true_T_world_camera);
   }
   const auto aligned = evaluate_trajectory(estimate, truth, Alignment::kSim3);
   if (!aligned.has_value()) return std::nullopt;
-  const Rigid<double>& from = estimate.front();
-  const Rigid<double>& to = aligned->aligned.front();
-  const Quaternion<double> turn = to.rotation * from.rotation.conjugate();
-  const Vector3<double> p =
-      to.translation + aligned->scale * (turn * (pose.translation - from.translation));
-  return (p - recording.frames[static_cast<std::size_t>(frame)].true_T_world_camera->translation)
-      .norm();
+  return Overlay{*aligned, estimate.front()};
 }
 
-CutTrial run_trial(const Recording& recording, Tracker& tracker, CutTrial trial, int watched) {
-  constexpr int kLasting = 5;
+/// Median distance of a tracker's landmarks from its camera, m.
+double median_distance_m(const Tracker& tracker, const FrameReport& report, double scale) {
+  std::vector<double> distances;
+  for (const MapLandmark& landmark : tracker.landmarks()) {
+    distances.push_back((landmark.p_map - report.T_map_camera.translation.cast<double>()).norm() *
+                        scale);
+  }
+  if (distances.empty()) return 1.0;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  return *middle;
+}
+
+/// Share of what a frame shows, at a depth, that another one showed too; none at another roll.
+double shared_view(const Recording& recording, int present, int before, double depth_m) {
+  constexpr int kColumns = 8;
+  constexpr int kRows = 6;
+  constexpr double kMostRoll = 0.5;
+  const PinholeCamera<double>& c = recording.info.camera;
+  const Rigid<double> T = frame_at(recording, before).true_T_world_camera->inverse() *
+                          *frame_at(recording, present).true_T_world_camera;
+  const Vector3<double> right = T.rotation * Vector3<double>::UnitX();
+  if (std::abs(std::atan2(right.y(), right.x())) > kMostRoll) return 0.0;
+  int shared = 0;
+  for (int i = 0; i < kColumns * kRows; ++i) {
+    const Vector2<double> pixel(c.width * (i % kColumns + 0.5) / kColumns,
+                                c.height * (i / kColumns + 0.5) / kRows);
+    Vector2<double> seen;
+    const Vector3<double> p = T * Vector3<double>(depth_m * c.unproject(pixel));
+    shared += ok(c.project(p, seen)) && c.contains(seen) ? 1 : 0;
+  }
+  return static_cast<double>(shared) / (kColumns * kRows);
+}
+
+bool seen_before(const Recording& recording, int present, int start, double depth_m) {
+  constexpr int kBack = 200;
+  constexpr int kStep = 4;
+  for (int i = start - 1; i >= std::max(0, start - kBack); i -= kStep) {
+    if (shared_view(recording, present, i, depth_m) >= 0.5) return true;
+  }
+  return false;
+}
+
+/// The frames of a trial: their indices, black ones first as -1.
+std::vector<int> frames_of(const CutTrial& trial, const CutSettings& settings, int count) {
+  std::vector<int> frames;
+  for (int i = 0; i < trial.length && trial.kind != CutKind::kCut; ++i) frames.push_back(-1);
   const int back = trial.start + trial.length;
-  const int end = std::min(back + watched, static_cast<int>(recording.frames.size()));
-  const cv::Mat black = cv::Mat::zeros(recording.frames.front().grey.size(), CV_8UC1);
-  trial.library = tracker.library().size();
+  for (int i = 0; i < settings.watched; ++i) {
+    const int index = trial.kind == CutKind::kReturn ? trial.start - 1 - i : back + i;
+    if (index >= 0 && index < count) frames.push_back(index);
+  }
+  return frames;
+}
+
+CutTrial run_trial(const Recording& recording, Tracker& tracker, CutTrial trial,
+                   const CutSettings& settings) {
+  constexpr int kLasting = 5;
+  const auto overlay = overlay_before(recording, trial.start);
+  const FrameReport& last = recording.undisturbed[static_cast<std::size_t>(trial.start - 1)];
+  const double depth_m =
+      median_distance_m(tracker, last, overlay ? overlay->evaluation.scale : 1.0);
+  const auto step_us = static_cast<std::int64_t>(1e6 / recording.info.frame_rate_hz);
+  trial.library = tracker.library_size();
+  Frame frame;
+  frame.t_us = frame_at(recording, trial.start - 1).t_us;
+  if (trial.kind == CutKind::kCut) frame.t_us += trial.length * step_us;
   FrameReport report;
   int good = 0;
-  for (int i = trial.black ? trial.start : back; i < end; ++i) {
-    const Frame& frame = recording.frames[static_cast<std::size_t>(i)];
-    report = feed(tracker, frame, i < back ? black : frame.grey);
+  int back = 0;
+  int end = trial.start - 1;
+  for (const int index : frames_of(trial, settings, static_cast<int>(recording.frames.size()))) {
+    frame.t_us += step_us;
+    frame.grey = index < 0 ? cv::Mat(cv::Mat::zeros(frame_at(recording, 0).grey.size(), CV_8UC1))
+                           : frame_at(recording, index).grey;
+    report = feed(tracker, frame);
     trial.said_lost = trial.said_lost || report.state == TrackingState::kLost;
-    if (i < back) continue;
+    if (index < 0) continue;
+    end = index;
+    if (trial.frames_to_seen < 0 && seen_before(recording, index, trial.start, depth_m)) {
+      trial.frames_to_seen = back;
+    }
+    ++back;
     good = report.state == TrackingState::kTracking ? good + 1 : 0;
     if (trial.frames_to_recovery < 0 && good >= kLasting) {
-      trial.frames_to_recovery = i + 1 - back - (kLasting - 1);
+      trial.frames_to_recovery = back - (kLasting - 1);
     }
   }
   trial.tracking = report.state == TrackingState::kTracking;
-  const auto at = [&](const Rigid<float>& pose) {
-    return error_m(recording, trial.start, to_double(pose), end - 1).value_or(0.0);
-  };
-  trial.error_m = at(report.T_map_camera);
-  trial.undisturbed_error_m =
-      at(recording.undisturbed[static_cast<std::size_t>(end - 1)].T_map_camera);
+  if (!overlay) return trial;
+  trial.error_m = overlay->error_m(recording, to_double(report.T_map_camera), end);
+  trial.undisturbed_error_m = overlay->error_m(
+      recording, to_double(recording.undisturbed[static_cast<std::size_t>(end)].T_map_camera), end);
   return trial;
 }
 
 std::vector<CutTrial> plan(const CutSettings& settings, int frames) {
   std::vector<CutTrial> trials;
-  for (const bool black : {false, true}) {
+  for (const CutKind kind : kCutKinds) {
     for (const int length : settings.lengths) {
-      const int last = frames - length - settings.watched;
+      const int last = kind == CutKind::kReturn ? frames - 1 : frames - length - settings.watched;
       if (last < settings.first_start) {
         throw UsageError("the recording is too short for its trials");
       }
       for (int i = 0; i < settings.trials; ++i) {
         CutTrial trial;
-        trial.black = black;
+        trial.kind = kind;
         trial.length = length;
         trial.start = settings.first_start +
                       (last - settings.first_start) * i / std::max(1, settings.trials - 1);
@@ -98,32 +176,41 @@ std::vector<CutTrial> plan(const CutSettings& settings, int frames) {
 
 }  // namespace
 
+const char* to_string(CutKind kind) {
+  switch (kind) {
+    case CutKind::kBlack:
+      return "black";
+    case CutKind::kReturn:
+      return "return";
+    default:
+      return "cut";
+  }
+}
+
 std::vector<CutTrial> run_cut_trials(FrameSource& source, const CutSettings& settings,
                                      const std::function<void(int, int)>& progress) {
   Recording recording;
+  recording.info = source.info();
   Frame frame;
   while (source.next(frame)) {
     recording.frames.push_back(frame);
     recording.frames.back().grey = frame.grey.clone();
   }
   std::vector<CutTrial> trials = plan(settings, static_cast<int>(recording.frames.size()));
-  Tracker::Parameters parameters;
-  parameters.seed = settings.seed;
-  auto undisturbed = std::make_unique<Tracker>();
-  const Status status = undisturbed->initialise(to_float(source.info().camera), parameters);
-  if (!ok(status)) throw InputError(source.info().name, "camera refused");
+  TrackerOptions options;
+  options.mode = Mode::kHandheld;
+  options.filter = settings.filter;
+  options.seed = settings.seed;
+  const std::unique_ptr<Tracker> undisturbed = make_tracker(options, source.info());
   std::vector<std::unique_ptr<Tracker>> copies(trials.size());
   for (std::size_t k = 0; k < recording.frames.size(); ++k) {
     for (std::size_t i = 0; i < trials.size(); ++i) {
-      if (trials[i].start == static_cast<int>(k)) {
-        copies[i] = std::make_unique<Tracker>(*undisturbed);
-      }
+      if (trials[i].start == static_cast<int>(k)) copies[i] = undisturbed->clone();
     }
-    recording.undisturbed.push_back(
-        feed(*undisturbed, recording.frames[k], recording.frames[k].grey));
+    recording.undisturbed.push_back(feed(*undisturbed, recording.frames[k]));
   }
   for (std::size_t i = 0; i < trials.size(); ++i) {
-    trials[i] = run_trial(recording, *copies[i], trials[i], settings.watched);
+    trials[i] = run_trial(recording, *copies[i], trials[i], settings);
     copies[i].reset();
     progress(static_cast<int>(i + 1), static_cast<int>(trials.size()));
   }

@@ -17,7 +17,7 @@ struct RobustnessSettings {
   int window_frames = 200;      ///< of the recording, before playback leaves some out
   int step_frames = 50;         ///< from the start of a window to that of the next
   int seeds = 1;                ///< 1 to so many
-  std::string filter = "mono";  ///< or window
+  std::string filter = "window";  ///< or mono
   std::vector<Playback> playbacks = {Playback{}};
   double least_tracked = 0.95;    ///< share of the frames
   double max_ate_m = 0.05;        ///< root mean square after Sim(3) alignment

@@ -20,7 +20,13 @@ inline constexpr std::uint16_t kInputLogVersion = 3;
 inline constexpr std::uint16_t kInputLogLensVersion = 4;
 
 enum class LogMode : std::uint8_t { kVehicle = 0, kHandheld = 1 };
-enum class LogFilter : std::uint8_t { kGroupIekf = 0, kLiftedIekf = 1, kEkf = 2, kMono = 3 };
+enum class LogFilter : std::uint8_t {
+  kGroupIekf = 0,
+  kLiftedIekf = 1,
+  kEkf = 2,
+  kMono = 3,
+  kWindow = 4
+};
 
 /// What a tracker is set up with. Float throughout: the host rounds once, when it writes the log,
 /// so that boards without double read the same numbers.

@@ -8,17 +8,20 @@
 #include "cairn/runtime/handheld_tracker.hpp"
 #include "cairn/runtime/input_log.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
+#include "cairn/runtime/window_tracker.hpp"
 #include "cairn/tracking/frame_report.hpp"
 
 namespace cairn {
 
 /// Sets a tracker up as the header of an input log says. kBadConfig when the log is of the other
-/// mode, or as the tracker's initialise(). The filter of a vehicle log is the caller's to choose:
-/// it is the tracker's type.
+/// mode, or as the tracker's initialise(). The filter of a log is the caller's to choose: it is the
+/// tracker's type.
 template <class Config, class Filter>
 Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>& tracker);
 template <class Config>
 Status start_replay(const InputLogHeader& header, HandheldTracker<Config>& tracker);
+template <class Config>
+Status start_replay(const InputLogHeader& header, WindowTracker<Config>& tracker);
 
 /// Odometry of a log goes to vehicle trackers alone.
 template <class Config, class Filter>
@@ -27,6 +30,10 @@ Status replay_odometry(const OdometrySample& sample, VehicleTracker<Config, Filt
 }
 template <class Config>
 Status replay_odometry(const OdometrySample&, HandheldTracker<Config>&) {
+  return Status::kOk;
+}
+template <class Config>
+Status replay_odometry(const OdometrySample&, WindowTracker<Config>&) {
   return Status::kOk;
 }
 
@@ -85,6 +92,14 @@ Status start_replay(const InputLogHeader& header, HandheldTracker<Config>& track
   parameters.seed = header.seed;
   parameters.filter.fading = header.adaptive_fading ? FadingMode::kAdaptive : FadingMode::kFixed;
   parameters.filter.fading_factor = header.fading;
+  return tracker.initialise(header.camera, parameters);
+}
+
+template <class Config>
+Status start_replay(const InputLogHeader& header, WindowTracker<Config>& tracker) {
+  if (header.mode != LogMode::kHandheld) return Status::kBadConfig;
+  typename WindowTracker<Config>::Parameters parameters;
+  parameters.seed = header.seed;
   return tracker.initialise(header.camera, parameters);
 }
 

@@ -9,6 +9,7 @@
 #include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/window_features.hpp"
+#include "cairn/tracking/window_memory.hpp"
 #include "cairn/tracking/window_motion.hpp"
 
 namespace cairn {
@@ -48,6 +49,8 @@ class WindowTracker {
  public:
   using Features = WindowFeatures<Config>;
   using Window = typename Features::Window;
+  using Memory = WindowMemory<Config>;
+  using Library = typename Memory::Library;
   static constexpr int kMaxFeatures = Features::kMaxFeatures;
 
   struct Parameters {
@@ -55,6 +58,9 @@ class WindowTracker {
     float sigma_px = 0.8F;           ///< of a feature's pixel
     typename Features::Parameters features;
     HandheldRotation::Parameters rotation;
+    typename Memory::Parameters memory;
+    float forget_s = 30.0F;    ///< after a loss; where nothing was recognised, the new map counts
+    int astray_features = 12;  ///< searched in frames of which the memory takes points
     float keyframe_parallax_px = 12.0F;  ///< mean since the last keyframe, its rotation apart
     float keyframe_share = 0.75F;  ///< found of the last one's features, below which one is made
     int keyframe_frames = 12;      ///< since the last one, at most
@@ -69,15 +75,17 @@ class WindowTracker {
     float blind_rate_radps = 1.0F;      ///< sigma of a turn while too few landmarks are seen
     int work_limit = 11600;             ///< units of WorkBudget a frame, drawing apart
     std::int64_t max_step_us = 500000;  ///< a longer gap is not integrated
+    std::uint64_t seed = 1;
 
     /// kBadConfig unless every value is finite and in its domain.
     Status validate() const {
       const auto share = [](float v) { return v >= 0.0F && v <= 1.0F; };
-      const bool parts =
-          ok(window.validate()) && ok(features.validate()) && ok(rotation.validate());
+      const bool parts = ok(window.validate()) && ok(features.validate()) &&
+                         ok(rotation.validate()) && ok(memory.validate());
       const bool good = parts && is_positive(sigma_px) && is_positive(keyframe_parallax_px) &&
                         share(keyframe_share) && keyframe_frames >= 1 && min_inliers >= 4 &&
                         share(min_inlier_share) && max_outliers >= 1 && max_outliers < 255 &&
+                        is_finite(forget_s) && forget_s >= 0.0F && astray_features >= 0 &&
                         weak_frames >= 0 && is_positive(known_depth) && is_finite(focal_sigma) &&
                         focal_sigma >= 0.0F && is_positive(covariance_factor) &&
                         is_finite(blind_rate_radps) && blind_rate_radps >= 0.0F &&
@@ -105,6 +113,9 @@ class WindowTracker {
   const Matrix<float, 6, 6>& pose_covariance() const { return covariance_; }
   const Window& window() const { return window_; }
   const Health& health() const { return health_; }
+  const Library& library() const { return memory_.library(); }
+  /// Whether the map was begun anew and its place in the library's is not known yet.
+  bool astray() const { return astray_; }
   TrackingState state() const { return state_; }
   /// Times that the mirrored solution was taken.
   int mirrored() const { return window_.mirrored(); }
@@ -112,6 +123,13 @@ class WindowTracker {
   // What place_on_features() asks of a map.
   int feature_count() const { return features_.size(); }
   LandmarkId feature_id(int i) const { return window_.id(features_[i].slot); }
+  /// Whether a landmark is followed from frame to frame.
+  bool follows(LandmarkId id) const {
+    for (int i = 0; i < features_.size(); ++i) {
+      if (feature_id(i) == id) return true;
+    }
+    return false;
+  }
   /// kNotFound where its depth is not known at all.
   Status feature_position(int i, Vector3<float>& p, Matrix3<float>& covariance) const;
   void hash(Hash64& hash) const;
@@ -132,16 +150,23 @@ class WindowTracker {
   void drop_missed(FrameContext& frame, const Rigid<float>& pose);
   bool wants_keyframe() const;
   bool make_keyframe(FrameContext& frame);
+  void observe_features();
   void improve_window(FrameContext& frame);
   void note_weak(FrameContext& frame);
   bool begin_anew(FrameContext& frame);
   int known_depths() const;
+  bool depths_hold() const;
+  bool takes_points(const FrameContext& frame) const;
+  void keep_memory(FrameContext& frame);
+  void seek_map(FrameContext& frame, const FrameStep& step, bool holds);
+  void return_to_map(FrameContext& frame);
   void update_covariance();
 
   Parameters parameters_;
   PinholeCamera<float> camera_;
   Window window_;
   Features features_;
+  Memory memory_;
   WindowMotion motion_;
   HandheldRotation rotation_;
   FrameInput input_;
@@ -159,6 +184,10 @@ class WindowTracker {
   Matrix3<float> lost_attitude_ = Matrix3<float>::Zero();  ///< when tracking was lost
   float blind_s_ = 0.0F;
   float typical_inverse_depth_ = 0.0F;
+  float astray_s_ = 0.0F;
+  bool astray_ = false;
+  bool returned_ = false;      ///< to the map, since the last loss
+  bool takes_points_ = false;  ///< the memory takes points of this frame
   int inliers_ = 0;
   int weak_frames_ = 0;
   int since_keyframe_ = 0;
@@ -172,3 +201,4 @@ class WindowTracker {
 
 #include "cairn/runtime/detail/window_tracker_impl.hpp"
 #include "cairn/runtime/detail/window_tracker_map.hpp"
+#include "cairn/runtime/detail/window_tracker_memory.hpp"

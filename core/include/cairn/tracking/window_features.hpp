@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/base/fixed_vector.hpp"
+#include "cairn/tracking/appearance.hpp"
 #include "cairn/tracking/frame_context.hpp"
 #include "cairn/vision/template_search.hpp"
 #include "cairn/vision/texture_points.hpp"
@@ -33,8 +34,13 @@ struct WindowFeature {
   SmallTemplate quarter;  ///< of the quarter image
   std::uint8_t misses = 0;
   std::uint8_t outliers = 0;
+  std::uint16_t searches = 0;   ///< frames that searched it
+  std::uint16_t sightings = 0;  ///< and found it
   bool has_templates = false;
-  bool found = false;  ///< in the present frame
+  bool searched = false;      ///< in the present frame
+  bool found = false;         ///< in the present frame
+  bool in_library = false;    ///< a record of it is in the map library
+  bool from_library = false;  ///< its depth is that of the map library
 };
 
 /// The features that a WindowTracker follows: search by their templates, first in the quarter image
@@ -90,7 +96,7 @@ class WindowFeatures {
   /// Before a frame's searches.
   void begin(const ImageView& image) {
     quarter_.take(image);
-    for (WindowFeature& feature : features_) feature.found = false;
+    for (WindowFeature& feature : features_) feature.searched = feature.found = false;
   }
   /// Searches feature `i` about `expected`; `radius_px` in the quarter image.
   void search(FrameContext& frame, int i, const Vector2<float>& expected, int radius_px);
@@ -101,6 +107,30 @@ class WindowFeatures {
   void remove(int i) { features_.remove_unordered(i); }
   /// Adds landmarks to the window's newest keyframe, in parts of the picture without features.
   int add(FrameContext& frame, Window& window, LandmarkId& next_id);
+  /// Adds a feature for a landmark that the window has, seen by the newest keyframe. False where
+  /// there is no room, or no template.
+  bool add_known(const FrameContext& frame, int slot, const Vector2<float>& pixel);
+  bool full() const { return features_.full(); }
+  /// Whether a pixel is as far from all features as new ones are.
+  bool is_free(const FrameContext& frame, const Vector2<float>& pixel) const;
+  /// Points of the picture beside the features that were found, spread over it, about `most`: the
+  /// best of each block of two cells by two. They hold until add() is called.
+  const Candidates& spread_points(FrameContext& frame, int most);
+  /// Pixel at which the frame's quarter image shows a quarter template, within `radius_px` of it
+  /// about `expected`. False where it is not found. Cost: work::template_search().
+  bool find_coarsely(const SmallTemplate& quarter, const Vector2<float>& expected, int radius_px,
+                     int least_q15, Vector2<float>& pixel) const {
+    constexpr float kFromQ8 = 1.0F / 256.0F;
+    TemplateMatch match;
+    if (!ok(find_template(quarter_.view(), quarter, round_to_int(to_quarter(expected.x())),
+                          round_to_int(to_quarter(expected.y())), radius_px, least_q15, match))) {
+      return false;
+    }
+    pixel = 4.0F * kFromQ8 *
+                Vector2<float>(static_cast<float>(match.x_q8), static_cast<float>(match.y_q8)) +
+            Vector2<float>(kCentre, kCentre);
+    return true;
+  }
   /// Takes new templates of the features that the frame found.
   void renew_templates(const FrameContext& frame);
 
@@ -111,6 +141,13 @@ class WindowFeatures {
   static constexpr float kCentre = 1.5F;  // of a quarter pixel, in full pixels
   static float to_quarter(float v) { return 0.25F * (v - kCentre); }
   void take_templates(const FrameContext& frame, WindowFeature& feature);
+  static void count(std::uint16_t& searches, std::uint16_t& sightings) {
+    if (searches == 0xFFFFU) {
+      searches = static_cast<std::uint16_t>(searches / 2);
+      sightings = static_cast<std::uint16_t>(sightings / 2);
+    }
+    ++searches;
+  }
 
   Parameters parameters_;
   Candidates candidates_;
@@ -123,6 +160,8 @@ void WindowFeatures<Config>::search(FrameContext& frame, int i, const Vector2<fl
                                     int radius_px) {
   constexpr float kFromQ8 = 1.0F / 256.0F;
   WindowFeature& feature = features_[i];
+  feature.searched = true;
+  count(feature.searches, feature.sightings);
   if (!feature.has_templates) return;
   TemplateMatch match;
   frame.work.spend(work::template_search(radius_px));
@@ -146,13 +185,15 @@ void WindowFeatures<Config>::search(FrameContext& frame, int i, const Vector2<fl
   feature.pixel = pixel;
   feature.found = true;
   feature.misses = 0;
+  ++feature.sightings;
 }
 
 template <class Config>
 bool WindowFeatures<Config>::miss(const FrameContext& frame, int i,
                                   const Vector2<float>& expected) {
   WindowFeature& feature = features_[i];
-  if (++feature.misses > parameters_.max_misses || !in_view(frame, expected)) return false;
+  feature.misses = static_cast<std::uint8_t>(feature.misses + (feature.searched ? 1 : 0));
+  if (feature.misses > parameters_.max_misses || !in_view(frame, expected)) return false;
   feature.pixel = expected;
   return true;
 }
@@ -195,6 +236,42 @@ int WindowFeatures<Config>::add(FrameContext& frame, Window& window, LandmarkId&
   frame.report.added += added;
   frame.health.landmarks_added += static_cast<std::uint32_t>(added);
   return added;
+}
+
+template <class Config>
+bool WindowFeatures<Config>::add_known(const FrameContext& frame, int slot,
+                                       const Vector2<float>& pixel) {
+  if (features_.full()) return false;
+  WindowFeature feature;
+  feature.slot = slot;
+  feature.pixel = pixel;
+  take_templates(frame, feature);
+  feature.found = feature.in_library = feature.from_library = true;
+  return feature.has_templates && features_.push_back(feature);
+}
+
+template <class Config>
+bool WindowFeatures<Config>::is_free(const FrameContext& frame, const Vector2<float>& pixel) const {
+  const float least = parameters_.min_distance_share * static_cast<float>(frame.image.height);
+  for (const WindowFeature& feature : features_) {
+    if ((feature.pixel - pixel).squaredNorm() < square(least)) return false;
+  }
+  return true;
+}
+
+template <class Config>
+const typename WindowFeatures<Config>::Candidates& WindowFeatures<Config>::spread_points(
+    FrameContext& frame, int most) {
+  constexpr float kApart_px = 12.0F;
+  const ImageView& image = frame.image;
+  candidates_.begin(image.width, image.height);
+  for (const WindowFeature& feature : features_) {
+    if (feature.found) candidates_.close(feature.pixel.x(), feature.pixel.y(), kApart_px);
+  }
+  frame.work.spend(work::texture_points(candidates_.open_cells(), Candidates::kCell));
+  candidates_.find(image, freak_margin(kReferenceScaleIndex));
+  candidates_.keep_best(2, most);
+  return candidates_;
 }
 
 template <class Config>

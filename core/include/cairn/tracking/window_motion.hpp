@@ -19,6 +19,8 @@ class WindowMotion {
   }
   /// Nothing is known: the camera is expected to stand.
   void forget() { phi_ = velocity_ = Vector3<float>::Zero(); }
+  /// The world has another scale.
+  void forget_velocity() { velocity_ = Vector3<float>::Zero(); }
   /// The world turned out to be mirrored.
   void mirror() { velocity_ = -velocity_; }
 

@@ -53,6 +53,13 @@ class TexturePoints {
       points_[i] = best_texture(image, i % columns_ * kCell, i / columns_ * kCell, kCell, margin);
     }
   }
+  /// Closes all cells but the best of each block of `side` x `side`, and of those all but about the
+  /// `most` best. Cost: some passes over the cells.
+  void keep_best(int side, int most);
+  int cells() const { return columns_ * rows_; }
+  bool is_open(int cell) const { return !closed_[cell]; }
+  const TexturePoint& operator[](int cell) const { return points_[cell]; }
+
   /// The best point of the open cells, one with score 0 where there is none.
   TexturePoint best() const {
     TexturePoint best;
@@ -63,11 +70,53 @@ class TexturePoints {
   }
 
  private:
+  int better_than(float score) const {
+    int count = 0;
+    for (int i = 0; i < cells(); ++i) count += !closed_[i] && points_[i].score > score ? 1 : 0;
+    return count;
+  }
+  void keep_best_of_block(int column, int row, int side);
+
   TexturePoint points_[kMaxCells];
   bool closed_[kMaxCells];
   int columns_ = 0;
   int rows_ = 0;
 };
+
+template <int MaxWidth, int MaxHeight>
+void TexturePoints<MaxWidth, MaxHeight>::keep_best_of_block(int column, int row, int side) {
+  int best = -1;
+  for (int y = row; y < row + side && y < rows_; ++y) {
+    for (int x = column; x < column + side && x < columns_; ++x) {
+      const int i = y * columns_ + x;
+      if (closed_[i]) continue;
+      closed_[i] = true;
+      if (points_[i].score > 0.0F && (best < 0 || points_[i].score > points_[best].score)) best = i;
+    }
+  }
+  if (best >= 0) closed_[best] = false;
+}
+
+template <int MaxWidth, int MaxHeight>
+void TexturePoints<MaxWidth, MaxHeight>::keep_best(int side, int most) {
+  constexpr int kHalvings = 24;
+  for (int row = 0; row < rows_; row += side) {
+    for (int column = 0; column < columns_; column += side) keep_best_of_block(column, row, side);
+  }
+  float low = 0.0F;
+  if (better_than(low) > most) {
+    // The score that `most` points exceed lies between low and high.
+    float high = best().score;
+    for (int i = 0; i < kHalvings; ++i) {
+      const float middle = 0.5F * (low + high);
+      (better_than(middle) > most ? low : high) = middle;
+    }
+    low = high;
+  }
+  for (int i = 0; i < cells(); ++i) {
+    if (!(points_[i].score > low)) closed_[i] = true;
+  }
+}
 
 template <int MaxWidth, int MaxHeight>
 void TexturePoints<MaxWidth, MaxHeight>::close(float x, float y, float distance) {

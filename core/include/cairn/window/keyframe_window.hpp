@@ -86,6 +86,12 @@ class KeyframeWindow {
   /// A landmark that the newest keyframe sees first, its depth from those that are known (of the
   /// present view), else from the prior. Its slot, -1 when full.
   int add_landmark(LandmarkId id, const Vector2<T>& seen);
+  /// A fixed host for landmarks whose place in the world is known; it lasts as long as it has some,
+  /// and to the next keyframe. In a window's first keyframe it also rules out a mirrored relief.
+  int add_host(const Rigid<T>& T_camera_world);
+  /// A landmark of a fixed host, that sees it along `ray` at an inverse depth. Its slot, -1 when
+  /// full.
+  int add_known_landmark(LandmarkId id, int host, const Vector2<T>& ray, T inverse_depth, T sigma);
   /// Ends a keyframe: forgets landmarks without use, and asks for iterations.
   void finish_keyframe();
 
@@ -102,6 +108,10 @@ class KeyframeWindow {
   int keyframes() const { return order_.size(); }
   /// Keyframes since the start.
   int started() const { return started_; }
+  /// Whether the mirrored solution is out of question.
+  bool settled() const {
+    return anchored_ || (started_ > parameters_.mirrored_keyframes && mirror_left_ == 0);
+  }
   /// Since clear(), how often the mirrored solution was taken.
   int mirrored() const { return mirrored_; }
   /// The newest keyframe. Domain: there is one.
@@ -200,6 +210,7 @@ class KeyframeWindow {
   System reduced_system_;
   Solution trial_ = {};
   Matrix<T, 6, 6> newest_covariance_ = Matrix<T, 6, 6>::Zero();
+  bool anchored_ = false;
   bool solved_ = false;  ///< reduced_system_ holds its factors
 };
 

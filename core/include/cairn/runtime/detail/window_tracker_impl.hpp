@@ -18,13 +18,14 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   parameters_.window = window;
   camera_ = camera;
   features_.reset(parameters.features);
+  memory_.reset(parameters.memory);
   motion_.reset();
   rotation_.reset(parameters.rotation);
   input_.reset(parameters.max_step_us);
   repeated_.reset();
   clock_.reset(kStepsOfClock * parameters.max_step_us);
   work_.reset(parameters.work_limit, 0);
-  random_ = Random(1);
+  random_ = Random(parameters.seed);
   health_ = Health{};
   next_id_ = 1;
   state_ = TrackingState::kInitialising;
@@ -33,7 +34,8 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   covariance_.setZero();
   for (Matrix3<float>& attitude : attitude_) attitude.setZero();
   lost_attitude_.setZero();
-  blind_s_ = typical_inverse_depth_ = 0.0F;
+  blind_s_ = typical_inverse_depth_ = astray_s_ = 0.0F;
+  astray_ = returned_ = takes_points_ = false;
   inliers_ = weak_frames_ = since_keyframe_ = frames_without_step_ = 0;
   return Status::kOk;
 }
@@ -82,6 +84,7 @@ template <class Config>
 Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, StageTimer& timer) {
   const Rigid<float> predicted = predict(frame, step);
   timer.end(Stage::kPosePrediction);
+  takes_points_ = takes_points(frame);
   find_features(frame, predicted);
   timer.end(Stage::kFeatures);
   Rigid<float> pose;
@@ -91,13 +94,13 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
   const float least = parameters_.min_inlier_share * static_cast<float>(found);
   ++since_keyframe_;
   Status status = step.gap ? Status::kTimeGap : Status::kOk;
-  if (inliers_ >= parameters_.min_inliers && static_cast<float>(inliers_) >= least) {
+  const bool holds = inliers_ >= parameters_.min_inliers && static_cast<float>(inliers_) >= least;
+  if (holds) {
     frame.report.inliers = inliers_;
     accept(frame, pose, step);
     drop_missed(frame, pose);
-    if (wants_keyframe()) static_cast<void>(make_keyframe(frame));
-    const bool known = 2 * known_depths() >= inliers_;
-    state_ = known ? TrackingState::kTracking : TrackingState::kUncertain;
+    if (!takes_points_ && wants_keyframe()) static_cast<void>(make_keyframe(frame));
+    state_ = depths_hold() && !astray_ ? TrackingState::kTracking : TrackingState::kUncertain;
   } else {
     status = found < parameters_.min_inliers ? Status::kLowTexture : Status::kNoConsensus;
     if (found < parameters_.min_inliers) ++health_.low_texture_frames;
@@ -105,7 +108,9 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
     note_weak(frame);
     if (state_ == TrackingState::kLost) status = Status::kLost;
   }
+  seek_map(frame, step, holds);
   improve_window(frame);
+  if (holds) keep_memory(frame);
   update_covariance();
   timer.end(Stage::kPoseUpdate);
   return status;
@@ -165,7 +170,8 @@ bool WindowTracker<Config>::search(FrameContext& frame, const Rigid<float>& pred
 template <class Config>
 void WindowTracker<Config>::find_features(FrameContext& frame, const Rigid<float>& predicted) {
   const typename Features::Parameters& p = parameters_.features;
-  const int all = features_.size();
+  const int most = takes_points_ ? parameters_.astray_features : features_.size();
+  const int all = most < features_.size() ? most : features_.size();
   const int first = p.first_features < all ? p.first_features : all;
   if (!search(frame, predicted, 0, first, p.wide_radius_px)) return;
   Rigid<float> pose = predicted;
@@ -227,6 +233,7 @@ void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose
     WindowFeature& feature = features_[sighted_[k]];
     if (sightings_[k].inlier) {
       feature.outliers = 0;
+      frame.report.from_library += feature.from_library ? 1 : 0;
       ++health_.innovations_used;
     } else {
       ++health_.innovations_gated;

@@ -4,20 +4,27 @@
 
 namespace cairn {
 
-/// The present frame becomes a keyframe, and new landmarks begin in it.
+/// The newest keyframe sees what the frame found.
 template <class Config>
-bool WindowTracker<Config>::make_keyframe(FrameContext& frame) {
-  frame.work.spend(work::kWindowNewest);
-  window_.begin_keyframe(T_camera_world_);
-  for (int i = features_.size() - 1; i >= 0; --i) {
-    if (!window_.used(features_[i].slot)) features_.remove(i);  // its host was given up
-  }
+void WindowTracker<Config>::observe_features() {
   for (int i = 0; i < features_.size(); ++i) {
     const WindowFeature& feature = features_[i];
     if (!feature.found || feature.outliers > 0) continue;
     const Vector3<float> ray = camera_.unproject(feature.pixel);
     window_.observe(feature.slot, Vector2<float>(ray.x(), ray.y()));
   }
+}
+
+/// The present frame becomes a keyframe, and new landmarks begin in it.
+template <class Config>
+bool WindowTracker<Config>::make_keyframe(FrameContext& frame) {
+  frame.work.spend(work::kWindowNewest);
+  window_.begin_keyframe(T_camera_world_);
+  memory_.note_keyframe();
+  for (int i = features_.size() - 1; i >= 0; --i) {
+    if (!window_.used(features_[i].slot)) features_.remove(i);  // its host was given up
+  }
+  observe_features();
   features_.renew_templates(frame);
   const int added = features_.add(frame, window_, next_id_);
   at_keyframe_ = features_.size();
@@ -66,7 +73,11 @@ void WindowTracker<Config>::note_weak(FrameContext& frame) {
   if (weak_frames_ <= parameters_.weak_frames && features_.size() >= parameters_.min_inliers)
     return;
   ++health_.losses;
-  lost_attitude_ = attitude_[window_.newest()];
+  if (!astray_) lost_attitude_ = attitude_[window_.newest()];
+  astray_ = !memory_.library_too_small();
+  astray_s_ = 0.0F;
+  returned_ = false;
+  memory_.begin();
   state_ = TrackingState::kLost;
   static_cast<void>(begin_anew(frame));
 }

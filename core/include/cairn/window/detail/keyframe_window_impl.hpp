@@ -20,6 +20,7 @@ void KeyframeWindow<T, Bounds>::clear() {
   order_.clear();
   started_ = mirrored_ = left_ = mirror_left_ = 0;
   present_ = 0;
+  anchored_ = false;
   solved_ = false;
   newest_covariance_.setZero();
 }
@@ -141,21 +142,38 @@ bool KeyframeWindow<T, Bounds>::newest_sees(int slot, Vector2<T>& seen) const {
 
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& seen) {
+  const T typical = typical_inverse_depth(newest_pose());
+  const T prior = typical > T(0) ? typical : parameters_.first_inverse_depth;
+  const int slot =
+      add_known_landmark(id, newest(), seen, prior, parameters_.depth_prior_sigma * prior);
+  if (slot >= 0) observe(slot, seen);
+  return slot;
+}
+
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::add_host(const Rigid<T>& T_camera_world) {
+  const int pose = free_pose();
+  for (Solution& solution : solutions_) solution.pose[pose] = T_camera_world;
+  anchored_ = anchored_ || started_ == 1;
+  return pose;
+}
+
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::add_known_landmark(LandmarkId id, int host, const Vector2<T>& ray,
+                                                  T inverse_depth, T sigma) {
   int slot = 0;
   while (slot < kLandmarks && landmarks_[slot].used) ++slot;
   if (slot == kLandmarks) return -1;
   Landmark& landmark = landmarks_[slot];
   landmark = Landmark();
   landmark.id = id;
-  landmark.ray = seen;
-  landmark.host = slot_of_[order_.back()];
-  const T typical = typical_inverse_depth(newest_pose());
-  landmark.prior = typical > T(0) ? typical : parameters_.first_inverse_depth;
-  landmark.prior_sigma = parameters_.depth_prior_sigma * landmark.prior;
-  landmark.sigma = landmark.prior_sigma;
+  landmark.ray = ray;
+  landmark.host = static_cast<std::int8_t>(host);
+  landmark.prior = inverse_depth;
+  landmark.prior_sigma = sigma;
+  landmark.sigma = sigma;
   landmark.used = landmark.live = true;
   for (Solution& solution : solutions_) solution.rho[slot] = landmark.prior;
-  observe(slot, seen);
   return slot;
 }
 
