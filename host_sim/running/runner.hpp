@@ -28,8 +28,8 @@ struct FrameRecord {
   /// against that of the first frame with a pose.
   std::optional<double> nees;
   std::optional<double> filter_nees;  ///< by the filter's own covariance
-  float health_score = 0.0F;  ///< of HealthMonitor
-  Health health;              ///< counters after the frame
+  float health_score = 0.0F;          ///< of HealthMonitor
+  Health health;                      ///< counters after the frame
   /// Of the pose, where there is one: as Tracker::position_covariance(), and of the heading or of
   /// an axis of a hand-held camera's attitude.
   std::optional<Matrix3<double>> position_covariance;
