@@ -1,6 +1,6 @@
 #pragma once
 
-#include "cairn/runtime/augmentation.hpp"
+#include "cairn/runtime/window_augmentation.hpp"
 
 namespace cairn::host {
 
