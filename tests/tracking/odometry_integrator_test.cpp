@@ -225,6 +225,16 @@ TEST_F(AVehicleWithOdometry, CountsFromTheFirstInputWhereverItsClockStands) {
   EXPECT_NEAR(x(), 0.2F, 1e-5F);
 }
 
+/// A wild reading that no other follows is wrong by the same in every step for which it is held.
+TEST_F(AVehicleWithOdometry, HoldsAnOutlyingTurnLessCertainly) {
+  for (int k = 1; k <= 20; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
+  ASSERT_TRUE(ok(add(21 * kPeriodUs, 1.0F, 3.0F)));
+  for (int k = 1; k <= 6; ++k) ASSERT_TRUE(ok(integrate_to(21 * kPeriodUs + k * 33333)));
+  const float error = filter_.mean_pose().heading;
+  EXPECT_GT(error, 0.8F);
+  EXPECT_LT(error / std::sqrt(filter_.pose_covariance()(2, 2)), 3.0F);
+}
+
 /// Frames at 30 Hz whose images correct the pose to a drive at `true_mps`.
 class ACameraBesideOdometry : public AVehicleWithOdometry {
  protected:

@@ -246,6 +246,20 @@ PlanarIncrement<float> OdometryIntegrator::increment_of(const OdometrySample& re
                                sigma_turn);
 }
 
+/// By how much the yaw rate held differs from the low-passed one beyond the noise of a sample.
+/// Held, it is wrong by that in one direction.
+float OdometryIntegrator::yaw_outlier() const {
+  constexpr float kFarInSigmas = 3.0F;
+  if (!has_motion_) return 0.0F;
+  OdometrySample usual = motion_;
+  usual.turn = steady_.turn();
+  const float off = abs(motion_over(motion_, 1.0F).yaw_rad - motion_over(usual, 1.0F).yaw_rad);
+  OdometrySample noisy = usual;
+  noisy.turn += kFarInSigmas * noise_.sigma_turn;
+  const float noise = abs(motion_over(noisy, 1.0F).yaw_rad - motion_over(usual, 1.0F).yaw_rad);
+  return off > noise ? off - noise : 0.0F;
+}
+
 /// Speed and yaw rate, sure at the sample, drift to the unknown within the longest step and stay
 /// there: the deviation of the path is u t^2 / (2 max) first, and u (t - max / 2) from then on.
 OdometryIntegrator::Drift OdometryIntegrator::drift_between(float from_s, float to_s) const {
@@ -255,13 +269,16 @@ OdometryIntegrator::Drift OdometryIntegrator::drift_between(float from_s, float 
   const float speed = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
   const float yaw_rate =
       larger(noise_.unknown_yaw_rate_radps, abs(motion_over(motion_, 1.0F).yaw_rad));
-  const auto variance = [max_s](float rate, float t_s, float most) {
+  const auto variance = [max_s](float rate, float outlier, float t_s, float most) {
     const float time = t_s < max_s ? 0.5F * t_s * t_s / max_s : t_s - 0.5F * max_s;
-    return square(rate * time < most ? rate * time : most);
+    const float path = rate * time + outlier * t_s;
+    return square(path < most ? path : most);
   };
+  const float turned = yaw_outlier();
   return {
-      variance(speed, to_s, kMostPosition_m) - variance(speed, from_s, kMostPosition_m),
-      variance(yaw_rate, to_s, kMostHeading_rad) - variance(yaw_rate, from_s, kMostHeading_rad)};
+      variance(speed, 0.0F, to_s, kMostPosition_m) - variance(speed, 0.0F, from_s, kMostPosition_m),
+      variance(yaw_rate, turned, to_s, kMostHeading_rad) -
+          variance(yaw_rate, turned, from_s, kMostHeading_rad)};
 }
 
 }  // namespace cairn

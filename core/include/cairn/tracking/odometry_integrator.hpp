@@ -129,6 +129,7 @@ class OdometryIntegrator {
     float position = 0.0F;
     float heading = 0.0F;
   };
+  float yaw_outlier() const;
   Drift drift_between(float from_s, float to_s) const;
 
   OdometryNoise noise_;
