@@ -75,8 +75,10 @@ TEST(WindowTracker, FollowsTwoWallsAndKnowsTheirDepths) {
   EXPECT_GT(run.tracker->pose_covariance()(5, 5), 0.0F);
 }
 
-TEST(WindowTracker, IsLostInTheDarkAndBeginsAnew) {
-  Walk run;
+TEST(WindowTracker, IsLostInTheDarkAndBeginsAnewWithoutALibrary) {
+  Tracker::Parameters parameters;
+  parameters.memory.min_library = 1000;
+  Walk run(parameters);
   for (int k = 0; k < 14; ++k) run.show(walls(k));
   const Image black(walls(0).size(), 0);
   for (int k = 0; k < 10; ++k) {
@@ -90,6 +92,7 @@ TEST(WindowTracker, IsLostInTheDarkAndBeginsAnew) {
   EXPECT_EQ(run.report.state, TrackingState::kTracking);
   EXPECT_EQ(run.tracker->health().losses, 1U);
   EXPECT_EQ(run.tracker->health().resets, 1U);
+  EXPECT_EQ(run.tracker->health().relocalisations, 0U);
   EXPECT_GT(run.tracker->pose_covariance()(4, 4), before) << "the turn in the dark is not known";
 }
 

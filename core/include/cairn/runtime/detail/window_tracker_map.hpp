@@ -77,7 +77,11 @@ void WindowTracker<Config>::note_weak(FrameContext& frame) {
   astray_ = !memory_.library_too_small();
   astray_s_ = 0.0F;
   returned_ = false;
-  memory_.begin();
+  if (astray_) {
+    memory_.begin();
+  } else {
+    memory_.forget();  // the new map has another frame
+  }
   state_ = TrackingState::kLost;
   static_cast<void>(begin_anew(frame));
 }
