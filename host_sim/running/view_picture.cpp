@@ -21,8 +21,8 @@ namespace {
 constexpr int kLeastWidth = 480;
 constexpr int kRow_px = 18;
 constexpr int kRows = kStageCount + 3;  // the stages, the frame, the state, the keys
-constexpr int kNameWidth_px = 215;
-constexpr int kFigureWidth_px = 110;
+constexpr int kNameWidth_px = 235;
+constexpr int kFigureWidth_px = 135;
 constexpr int kMostCorners = 400;
 constexpr int kFastThreshold = 20;
 constexpr double kMostEllipse_px = 200.0;

@@ -115,11 +115,10 @@ TEST(HandheldPlacement, AnObjectStandsAtAFeatureOfThePlaneAmongClutter) {
   EXPECT_LT(nearest, 0.05F);
 }
 
-TEST(HandheldPlacement, WithoutAPlaneNothingIsPlacedInTheAir) {
+TEST(HandheldPlacement, WithoutAPlaneNothingIsPlacedButByChance) {
   Rigid<float> place;
   place.translation = Vector(7.0F, 8.0F, 9.0F);
-  Random random(3);
-  Random untouched(3);
+  const Random random(3);
   int placed = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     Scene scene;
@@ -130,11 +129,16 @@ TEST(HandheldPlacement, WithoutAPlaneNothingIsPlacedInTheAir) {
       scene.add(camera_pose() * (depth * Vector(v.x(), v.y(), 1.0F)), depth);
     }
     Rigid<float> anywhere = place;
-    placed += place_on_plane(scene, camera_pose(), random, anywhere) ? 1 : 0;
-    EXPECT_EQ(anywhere.translation == place.translation, true);
+    Random draws = random;
+    if (place_on_plane(scene, camera_pose(), draws, anywhere)) {
+      ++placed;
+      continue;
+    }
+    EXPECT_TRUE(anywhere.translation == place.translation);
+    Random untouched = random;
+    EXPECT_EQ(draws.below(1 << 20), untouched.below(1 << 20));
   }
-  EXPECT_EQ(placed, 0);
-  EXPECT_EQ(random.below(1 << 20), untouched.below(1 << 20));
+  EXPECT_LE(placed, 20);  // 10 %, as least_on_plane() states
 }
 
 }  // namespace

@@ -7,12 +7,34 @@
 
 namespace cairn {
 
+/// How far from a plane its points may lie, of their median depth.
+inline constexpr float kPlaneTolerance = 0.03F;
+
+/// Least number of n points on a plane that is no chance: of points scattered over a median depth,
+/// one of the planes through three of them holds as many with a probability below 10 % (binomial
+/// tail for the others, times the number of triples; Desolneux, Moisan and Morel 2000).
+constexpr int least_on_plane(int n) {
+  constexpr double kShare = 2.0 * static_cast<double>(kPlaneTolerance);
+  constexpr double kChance = 0.1;
+  const int others = n - 3;
+  const double triples = n * (n - 1.0) * (n - 2.0) / 6.0;
+  double all = 1.0;  // the probability that every other point lies on it
+  for (int i = 0; i < others; ++i) all *= kShare;
+  double tail = 0.0;
+  double exactly = all;
+  for (int on = others; on > 0; --on) {
+    tail += exactly;
+    if (tail * triples >= kChance) return on + 4;
+    exactly *= on / (others - on + 1.0) * (1.0 - kShare) / kShare;
+  }
+  return 4;
+}
+
 /// Points in front of a hand-held camera on which an object may be placed, map frame.
 template <int MaxPoints>
 struct ScenePoints {
   static_assert(MaxPoints <= kMaxPlanePoints, "the plane is fitted to all points");
-  static constexpr int kMinPoints = 10;       ///< fewer say too little
-  static constexpr float kTolerance = 0.03F;  ///< of a plane, of the median depth
+  static constexpr int kMinPoints = 10;  ///< fewer say too little
 
   FixedVector<Vector3<float>, MaxPoints> points;
   FixedVector<float, MaxPoints> depths;  ///< of all points, ascending, each > 0
@@ -28,24 +50,13 @@ struct ScenePoints {
   }
   float median_depth() const { return depths[depths.size() / 2]; }
 
-  /// So many of the points lie on a plane that they do so by more than chance. A slab of the
-  /// plane's thickness holds a share p = 0.06 of points scattered over a median depth; of n points
-  /// it holds k with a probability of at most exp(-2 n (k / n - p)^2) (Hoeffding 1963). The count
-  /// at which this is one in the number of triples of kMaxPlanePoints, 41664.
-  int least_on_plane() const {
-    constexpr float kShare = 2.0F * kTolerance;
-    constexpr float kDeviations = 2.306F;  // sqrt(ln(41664) / 2)
-    const auto n = static_cast<float>(points.size());
-    return static_cast<int>(kShare * n + kDeviations * sqrt(n)) + 1;
-  }
-
   /// The plane on which most points lie, to 3 % of their median depth; false where those are not
   /// least_on_plane().
   bool find_plane(const Rigid<float>& T_map_camera, Random& random, PlaneFit& plane) const {
     PlaneFitOptions options;
-    options.inlier_m = kTolerance * median_depth();
-    options.samples = 64;  // three of half the points are among them but once in 5000 times
-    options.min_inliers = least_on_plane();
+    options.inlier_m = kPlaneTolerance * median_depth();
+    options.samples = 64;  // three of 40 % of the points are among them in 98 % of the cases
+    options.min_inliers = least_on_plane(points.size());
     return ok(
         fit_plane(points.data(), points.size(), T_map_camera.translation, options, random, plane));
   }
@@ -83,7 +94,7 @@ bool place_on_plane(const ScenePoints<MaxPoints>& scene, const Rigid<float>& T_m
   PlaneFit plane;
   if (!scene.find_plane(T_map_camera, draws, plane)) return false;
   const Rigid<float> T_camera_map = T_map_camera.inverse();
-  const float limit = scene.kTolerance * scene.median_depth();
+  const float limit = kPlaneTolerance * scene.median_depth();
   Vector3<float> foot = plane.centroid;
   float nearest = -1.0F;
   for (const Vector3<float>& p_map : scene.points) {
