@@ -68,7 +68,9 @@ void step(Filter& filter) {
     case 5:
       (void)filter.add_landmark(id, any<FixedLength>(), any<FixedLength>(), any_covariance());
       return;
-    default: (void)filter.widen_pose(any<FixedVariance>(), any<FixedVariance>()); return;
+    default:
+      (void)filter.widen_pose(any<FixedVariance>(), any<FixedVariance>());
+      return;
   }
 }
 
