@@ -44,6 +44,29 @@ TEST(PlanarExperiment, SameResultForAnyNumberOfThreads) {
   EXPECT_GT(one.filters[0].nees.raw().back(), 0);
 }
 
+TEST(PlanarExperiment, FixedPointGivesTheFiguresOfDouble) {
+  ExperimentConfig config = small_experiment();
+  config.filters = {"group-iekf", "group-iekf-float", "group-iekf-fixed"};
+  const ExperimentResult result = run_experiment(config, {});
+  const LoopFigures expected = loop_figures(result, result.filters[0], 1);
+  for (const FilterSums& sums : result.filters) {
+    const LoopFigures figures = loop_figures(result, sums, 1);
+    EXPECT_NEAR(figures.nees_mean, expected.nees_mean, 1e-3) << sums.filter;
+    EXPECT_NEAR(figures.position_rmse_m, expected.position_rmse_m, 1e-4) << sums.filter;
+    EXPECT_NEAR(figures.landmark_nees_mean, expected.landmark_nees_mean, 1e-3) << sums.filter;
+    EXPECT_EQ(sums.saturations, 0) << sums.filter;
+  }
+}
+
+TEST(PlanarExperiment, CountsWhatDoesNotFitFixedPoint) {
+  ExperimentConfig config = small_experiment();
+  config.filters = {"group-iekf-fixed"};
+  config.runs = 1;
+  config.simulation.observation_sigma_m = 800.0;  // deviations beyond those of a row
+  config.simulation.range_m = 20.0;
+  EXPECT_GT(run_experiment(config, {}).filters[0].saturations, 0);
+}
+
 TEST(PlanarExperiment, MergedShardsEqualTheWholeInAnyOrder) {
   ExperimentConfig config = small_experiment();
   const ExperimentResult whole = run_experiment(config, {});

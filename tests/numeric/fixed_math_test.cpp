@@ -65,11 +65,11 @@ TEST(FixedMath, AtanIsWithinItsErrorForVectorsOfAnyLength) {
     const std::int64_t y = bits64(random) >> random.below(63);
     const std::int64_t x = bits64(random) >> random.below(63);
     const double expected = std::atan2(static_cast<double>(y), static_cast<double>(x));
-    const double error = atan2(y, x).to_double() - expected;
+    const double error = fixed_atan2(y, x).to_double() - expected;
     ASSERT_NEAR(wrap_angle(error), 0.0, 1.5e-8);
   }
-  EXPECT_EQ(atan2(std::int64_t{0}, std::int64_t{0}).raw(), 0);
-  EXPECT_EQ(atan2(std::int64_t{0}, std::int64_t{INT64_MIN}), kFixedPi);
+  EXPECT_EQ(fixed_atan2(std::int64_t{0}, std::int64_t{0}).raw(), 0);
+  EXPECT_EQ(fixed_atan2(std::int64_t{0}, std::int64_t{INT64_MIN}), kFixedPi);
 }
 
 TEST(FixedMath, AnglesWrapToTheHalfOpenTurn) {

@@ -125,7 +125,7 @@ TEST(FixedProperty, EveryAngleHasASineACosineAndBackAgain) {
     const auto exact = static_cast<long double>(angle.to_double());
     RC_ASSERT(std::fabs(static_cast<long double>(sine.to_double()) - std::sin(exact)) < 2e-9L);
     RC_ASSERT(std::fabs(static_cast<long double>(cosine.to_double()) - std::cos(exact)) < 2e-9L);
-    const FixedAngle back = atan2(sine.raw(), cosine.raw());
+    const FixedAngle back = fixed_atan2(sine.raw(), cosine.raw());
     const std::int64_t turned = std::int64_t{back.raw()} - wrapped_angle(angle.raw()).raw();
     RC_ASSERT(std::abs(wrapped_angle(turned).raw()) <= 6);
   }));

@@ -104,7 +104,7 @@ void sin_cos(FixedAngle angle, FixedRatio& sine, FixedRatio& cosine) {
   cosine = FixedRatio::from_raw(turn == 1 || turn == 2 ? -second : second);
 }
 
-FixedAngle atan2(std::int64_t y, std::int64_t x) {
+FixedAngle fixed_atan2(std::int64_t y, std::int64_t x) {
   if (x == 0 && y == 0) return {};
   // To 29 bits: the vector grows by 1.65 on its way to the x axis.
   const std::uint64_t larger =

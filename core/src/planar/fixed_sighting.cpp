@@ -11,7 +11,7 @@ constexpr int kOffsetBits = FixedOffset::kFractionBits;
 FixedOffset at_least_one_unit(FixedOffset sigma) {
   return sigma.raw() > 0 ? sigma : FixedOffset::from_raw(1);
 }
-FixedVariance times(FixedVariance variance, FixedRatio factor, Count& count) {
+FixedVariance scaled(FixedVariance variance, FixedRatio factor, Count& count) {
   return multiply<FixedVariance>(variance, factor, count);
 }
 
@@ -31,7 +31,7 @@ FixedPrincipalNoise principal_noise(const FixedCovariance2& noise, Count& satura
   if (noise.xy.raw() != 0 || noise.xx != noise.yy) {
     const std::int64_t difference =
         wide::round_shift(noise.xx.raw(), 1) - wide::round_shift(noise.yy.raw(), 1);
-    const FixedAngle twice = atan2(noise.xy.raw(), difference);
+    const FixedAngle twice = fixed_atan2(noise.xy.raw(), difference);
     out.direction =
         FixedAngle::from_raw(static_cast<std::int32_t>(wide::round_shift(twice.raw(), 1)));
     FixedRatio sine;
@@ -94,7 +94,7 @@ bool expected_range_bearing(const FixedAxes& axes, FixedLength x, FixedLength y,
       wide::scale(range.mantissa, FixedLength::kFractionBits - range.bits, saturations),
       saturations));
   if (out.range <= kNearest) return false;
-  const FixedAngle direction = atan2(dy.raw(), dx.raw());
+  const FixedAngle direction = fixed_atan2(dy.raw(), dx.raw());
   out.bearing = wrapped_angle(std::int64_t{direction.raw()} - axes.heading.raw());
   cosine = divide<FixedRatio>(dx, out.range, saturations);
   sine = divide<FixedRatio>(dy, out.range, saturations);
@@ -123,18 +123,18 @@ bool linearise(const FixedRangeBearingObservation& observation, const FixedAxes&
 FixedCovariance2 along_direction(const FixedCovariance2& covariance, FixedRatio cosine,
                                  FixedRatio sine, Count& saturations) {
   // First the columns, then the rows.
-  const FixedVariance xc = add(times(covariance.xx, cosine, saturations),
-                               times(covariance.xy, sine, saturations), saturations);
-  const FixedVariance yc = add(times(covariance.xy, cosine, saturations),
-                               times(covariance.yy, sine, saturations), saturations);
-  const FixedVariance xs = subtract(times(covariance.xy, cosine, saturations),
-                                    times(covariance.xx, sine, saturations), saturations);
-  const FixedVariance ys = subtract(times(covariance.yy, cosine, saturations),
-                                    times(covariance.xy, sine, saturations), saturations);
+  const FixedVariance xc = add(scaled(covariance.xx, cosine, saturations),
+                               scaled(covariance.xy, sine, saturations), saturations);
+  const FixedVariance yc = add(scaled(covariance.xy, cosine, saturations),
+                               scaled(covariance.yy, sine, saturations), saturations);
+  const FixedVariance xs = subtract(scaled(covariance.xy, cosine, saturations),
+                                    scaled(covariance.xx, sine, saturations), saturations);
+  const FixedVariance ys = subtract(scaled(covariance.yy, cosine, saturations),
+                                    scaled(covariance.xy, sine, saturations), saturations);
   FixedCovariance2 out;
-  out.xx = add(times(xc, cosine, saturations), times(yc, sine, saturations), saturations);
-  out.xy = add(times(xs, cosine, saturations), times(ys, sine, saturations), saturations);
-  out.yy = subtract(times(ys, cosine, saturations), times(xs, sine, saturations), saturations);
+  out.xx = add(scaled(xc, cosine, saturations), scaled(yc, sine, saturations), saturations);
+  out.xy = add(scaled(xs, cosine, saturations), scaled(ys, sine, saturations), saturations);
+  out.yy = subtract(scaled(ys, cosine, saturations), scaled(xs, sine, saturations), saturations);
   return out;
 }
 

@@ -16,7 +16,7 @@ inline constexpr FixedAngle kFixedPi = FixedAngle::nearest(3.1415926535897932384
 void sin_cos(FixedAngle angle, FixedRatio& sine, FixedRatio& cosine);
 
 /// Angle of the vector (x, y) in any unit, (-pi, pi]; 0 for the zero vector. Error below 1.5e-8.
-FixedAngle atan2(std::int64_t y, std::int64_t x);
+FixedAngle fixed_atan2(std::int64_t y, std::int64_t x);
 
 /// Angle wrapped to (-pi, pi].
 FixedAngle wrapped_angle(std::int64_t angle_raw);
