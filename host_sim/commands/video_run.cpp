@@ -11,7 +11,7 @@
 
 #include "cairn/base/config.hpp"
 
-#include "host_sim/base/names.hpp"
+#include "host_sim/commands/run_printing.hpp"
 #include "host_sim/io/camera_file.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/interruption.hpp"
@@ -167,28 +167,6 @@ RegistrationSettings registration_settings(const SourceInfo& source, Mode mode) 
   return settings;
 }
 
-void print_row(const char* name, const nlohmann::json& row, double paper_ms) {
-  fmt::print("{:<34}{:>9.3f}{:>9.3f}{:>9.3f}{:>9.3f}{:>10.2f} %{:>10.2f}\n", name,
-             row["p50"].get<double>(), row["p95"].get<double>(), row["p99"].get<double>(),
-             row["max"].get<double>(), 100.0 * row["over_budget"].get<double>(), paper_ms);
-}
-
-std::string figure(const nlohmann::json& value, const char* unit) {
-  return value.is_null() ? std::string("-") : fmt::format("{:.3f} {}", value.get<double>(), unit);
-}
-
-constexpr MountOffset::Part kMountParts[] = {MountOffset::kYaw, MountOffset::kPitch,
-                                             MountOffset::kRoll, MountOffset::kFocal};
-
-/// A line for each part of mount and camera that the pictures contradict.
-void print_suspicions(const std::optional<MountOffset>& offset) {
-  if (!offset.has_value()) return;
-  for (const MountOffset::Part part : kMountParts) {
-    if (!offset->suspect[part]) continue;
-    fmt::print("calibration suspect: {}: {}\n", describe(*offset, part), meaning_of(part));
-  }
-}
-
 /// Every part, and whether it is suspect.
 ExitCode check_mount(FrameSource& source, Frame& first, Tracker& tracker) {
   const MountRun run = run_for_mount(source, first, tracker);
@@ -200,38 +178,6 @@ ExitCode check_mount(FrameSource& source, Frame& first, Tracker& tracker) {
   }
   print_suspicions(run.offset);
   return run.offset.any_suspect() ? ExitCode::kCheckFailed : ExitCode::kOk;
-}
-
-void print_summary(const nlohmann::json& summary) {
-  const nlohmann::json& latency = summary["latency_ms"];
-  fmt::print("\n{:<34}{:>9}{:>9}{:>9}{:>9}{:>12}{:>10}\n", "per frame, ms", "p50", "p95", "p99",
-             "max", "over", "paper");
-  for (const StageRow& row : kStageRows) {
-    print_row(row.name, latency["stages"][row.key], row.paper_iekf_ms);
-  }
-  print_row("whole frame", latency, kPaperTotalMs);
-  fmt::print("\nframes {}   tracked {}   lost {}   relocalised {}\n", summary["frames"].get<int>(),
-             summary["tracked"].get<int>(), summary["lost"].get<int>(),
-             summary["relocalised"].get<int>());
-  for (const auto& [reason, frames] : summary["not_tracked"].items()) {
-    fmt::print("not tracked: {} {}\n", reason, frames.get<int>());
-  }
-  const nlohmann::json& trajectory = summary["trajectory"];
-  if (!trajectory["aligned"].is_null()) {
-    fmt::print("trajectory error {} (aligned: {})   rotation {}\n",
-               figure(trajectory["ate_rmse_m"], "m"), trajectory["aligned"].get<std::string>(),
-               figure(trajectory["rotation_rmse_deg"], "deg"));
-  }
-  const nlohmann::json& registration = summary["registration_px"];
-  if (!registration["mean"].is_null()) {
-    fmt::print("registration error mean {}   p95 {}   max {}\n", figure(registration["mean"], "px"),
-               figure(registration["p95"], "px"), figure(registration["max"], "px"));
-  }
-  fmt::print("log hash {}\n", summary["log_hash"].get<std::string>());
-  fmt::print("\n{}\n", summary["verdict"]["headline"].get<std::string>());
-  for (const nlohmann::json& point : summary["verdict"]["points"]) {
-    if (point["grade"] != "good") fmt::print("- {}\n", point["text"].get<std::string>());
-  }
 }
 
 /// The source with pictures of the part and size asked for, and of one that the tracker holds.
