@@ -131,9 +131,8 @@ nlohmann::json summarise(const std::vector<CutTrial>& trials, CutKind kind, int 
 void write_trials(const std::filesystem::path& folder, const std::vector<CutTrial>& trials) {
   OutputFile file(folder / "cut.csv");
   file.print(
-      "kind,frames_blind,start,library,said_lost,frames_to_seen,frames_to_recovery,tracking,error_"
-      "m,"
-      "undisturbed_error_m\n");
+      "kind,frames_blind,start,library,said_lost,frames_to_seen,frames_to_recovery,tracking,"
+      "recovery_error_m,error_m,undisturbed_error_m\n");
   for (const CutTrial& t : trials) {
     file.print("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f}\n", to_string(t.kind), t.length,
                t.start, t.library, t.said_lost ? 1 : 0, t.frames_to_seen, t.frames_to_recovery,

@@ -14,9 +14,9 @@ namespace cairn::host {
 /// them. Counted are a window's frames as they are played, after the first 30 (15 where there are
 /// fewer than 60).
 struct RobustnessSettings {
-  int window_frames = 200;      ///< of the recording, before playback leaves some out
-  int step_frames = 50;         ///< from the start of a window to that of the next
-  int seeds = 1;                ///< 1 to so many
+  int window_frames = 200;        ///< of the recording, before playback leaves some out
+  int step_frames = 50;           ///< from the start of a window to that of the next
+  int seeds = 1;                  ///< 1 to so many
   std::string filter = "window";  ///< or mono
   std::vector<Playback> playbacks = {Playback{}};
   double least_tracked = 0.95;    ///< share of the frames
