@@ -86,8 +86,8 @@ nlohmann::json summarise(const std::vector<KidnapTrial>& trials, KidnapKind kind
 void write_trials(const std::filesystem::path& folder, const std::vector<KidnapTrial>& trials) {
   OutputFile file(folder / "kidnapped.csv");
   file.print(
-      "kind,frames_blind,start,frames_to_recovery,relocalised,tracking,error_m,"
-      "undisturbed_error_m,claimed_squared,jump_squared\n");
+      "kind,frames_blind,start,frames_to_recovery,relocalised,tracking,"
+      "recovery_error_m,error_m,undisturbed_error_m,claimed_squared,jump_squared\n");
   for (const KidnapTrial& t : trials) {
     file.print("{},{},{},{},{},{},{:.4f},{:.4f},{:.3f},{:.3f}\n", to_string(t.kind), t.length,
                t.start, t.frames_to_recovery, t.relocalised ? 1 : 0, t.claimed ? 1 : 0, t.error_m,
@@ -106,7 +106,7 @@ nlohmann::json summarise(const std::vector<CutTrial>& trials, CutKind kind, int 
     seen += trial.frames_to_seen >= 0;
     in_time += trial.frames_to_recovery >= 0 && trial.frames_to_seen >= 0 &&
                trial.frames_to_recovery - trial.frames_to_seen <= 2 * kFramesPerSecond;
-    wrong += trial.tracking && trial.error_m > kFalse_m ? 1 : 0;
+    wrong += trial.frames_to_recovery >= 0 && trial.recovery_error_m > kFalse_m ? 1 : 0;
     silent += trial.said_lost ? 0 : 1;
     if (!trial.tracking) continue;
     errors.push_back(trial.error_m);
@@ -131,13 +131,12 @@ nlohmann::json summarise(const std::vector<CutTrial>& trials, CutKind kind, int 
 void write_trials(const std::filesystem::path& folder, const std::vector<CutTrial>& trials) {
   OutputFile file(folder / "cut.csv");
   file.print(
-      "kind,frames_blind,start,library,said_lost,frames_to_seen,frames_to_recovery,tracking,error_"
-      "m,"
-      "undisturbed_error_m\n");
+      "kind,frames_blind,start,library,said_lost,frames_to_seen,frames_to_recovery,tracking,"
+      "recovery_error_m,error_m,undisturbed_error_m\n");
   for (const CutTrial& t : trials) {
-    file.print("{},{},{},{},{},{},{},{},{:.4f},{:.4f}\n", to_string(t.kind), t.length, t.start,
-               t.library, t.said_lost ? 1 : 0, t.frames_to_seen, t.frames_to_recovery,
-               t.tracking ? 1 : 0, t.error_m, t.undisturbed_error_m);
+    file.print("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{:.4f}\n", to_string(t.kind), t.length,
+               t.start, t.library, t.said_lost ? 1 : 0, t.frames_to_seen, t.frames_to_recovery,
+               t.tracking ? 1 : 0, t.recovery_error_m, t.error_m, t.undisturbed_error_m);
   }
   file.finish();
 }

@@ -30,21 +30,22 @@ FrameReport feed(Tracker& tracker, const Frame& frame) {
   return report;
 }
 
-/// Of the undisturbed estimate before `start`, laid over the truth.
-struct Overlay {
-  TrajectoryEvaluation evaluation;
-  Rigid<double> from;
+/// What the undisturbed estimate before a trial says of the poses after it: its last pose, moved as
+/// the truth moved, in its scale.
+struct Expectation {
+  double scale = 1.0;  ///< true length of one unit of the estimate
+  Rigid<double> last;
+  int frame = 0;  ///< of `last`
 
-  double error_m(const Recording& recording, const Rigid<double>& pose, int frame) const {
-    const Rigid<double>& to = evaluation.aligned.front();
-    const Quaternion<double> turn = to.rotation * from.rotation.conjugate();
-    const Vector3<double> p =
-        to.translation + evaluation.scale * (turn * (pose.translation - from.translation));
-    return (p - frame_at(recording, frame).true_T_world_camera->translation).norm();
+  double error_m(const Recording& recording, const Rigid<double>& pose, int present) const {
+    const Rigid<double> moved = frame_at(recording, frame).true_T_world_camera->inverse() *
+                                *frame_at(recording, present).true_T_world_camera;
+    const Vector3<double> p = last.translation + last.rotation * (moved.translation / scale);
+    return scale * (pose.translation - p).norm();
   }
 };
 
-std::optional<Overlay> overlay_before(const Recording& recording, int start) {
+std::optional<Expectation> expectation_before(const Recording& recording, int start) {
   std::vector<Rigid<double>> estimate, truth;
   for (int i = 0; i < start; ++i) {
     const FrameReport& report = recording.undisturbed[static_cast<std::size_t>(i)];
@@ -54,7 +55,8 @@ std::optional<Overlay> overlay_before(const Recording& recording, int start) {
   }
   const auto aligned = evaluate_trajectory(estimate, truth, Alignment::kSim3);
   if (!aligned.has_value()) return std::nullopt;
-  return Overlay{*aligned, estimate.front()};
+  const FrameReport& last = recording.undisturbed[static_cast<std::size_t>(start - 1)];
+  return Expectation{aligned->scale, to_double(last.T_map_camera), start - 1};
 }
 
 /// Median distance of a tracker's landmarks from its camera, m.
@@ -115,10 +117,9 @@ std::vector<int> frames_of(const CutTrial& trial, const CutSettings& settings, i
 CutTrial run_trial(const Recording& recording, Tracker& tracker, CutTrial trial,
                    const CutSettings& settings) {
   constexpr int kLasting = 5;
-  const auto overlay = overlay_before(recording, trial.start);
+  const auto expected = expectation_before(recording, trial.start);
   const FrameReport& last = recording.undisturbed[static_cast<std::size_t>(trial.start - 1)];
-  const double depth_m =
-      median_distance_m(tracker, last, overlay ? overlay->evaluation.scale : 1.0);
+  const double depth_m = median_distance_m(tracker, last, expected ? expected->scale : 1.0);
   const auto step_us = static_cast<std::int64_t>(1e6 / recording.info.frame_rate_hz);
   trial.library = tracker.library_size();
   Frame frame;
@@ -143,12 +144,16 @@ CutTrial run_trial(const Recording& recording, Tracker& tracker, CutTrial trial,
     good = report.state == TrackingState::kTracking ? good + 1 : 0;
     if (trial.frames_to_recovery < 0 && good >= kLasting) {
       trial.frames_to_recovery = back - (kLasting - 1);
+      if (expected) {
+        trial.recovery_error_m =
+            expected->error_m(recording, to_double(report.T_map_camera), index);
+      }
     }
   }
   trial.tracking = report.state == TrackingState::kTracking;
-  if (!overlay) return trial;
-  trial.error_m = overlay->error_m(recording, to_double(report.T_map_camera), end);
-  trial.undisturbed_error_m = overlay->error_m(
+  if (!expected) return trial;
+  trial.error_m = expected->error_m(recording, to_double(report.T_map_camera), end);
+  trial.undisturbed_error_m = expected->error_m(
       recording, to_double(recording.undisturbed[static_cast<std::size_t>(end)].T_map_camera), end);
   return trial;
 }

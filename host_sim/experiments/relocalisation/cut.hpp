@@ -40,7 +40,9 @@ struct CutTrial {
   int frames_to_seen = -1;
   int frames_to_recovery = -1;  ///< from the picture's return to lasting tracking; -1: never
   bool tracking = false;        ///< at the end
-  double error_m = 0.0;         ///< position at the end, the frames before the cut aligned (Sim(3))
+  /// Of the position, against the last pose before the cut, moved as the reference poses moved.
+  double recovery_error_m = 0.0;     ///< where tracking lasts again
+  double error_m = 0.0;              ///< at the end
   double undisturbed_error_m = 0.0;  ///< the same of the tracker that saw every frame
 };
 

@@ -175,7 +175,7 @@ void WindowTracker<Config>::find_features(FrameContext& frame, const Rigid<float
   const int first = p.first_features < all ? p.first_features : all;
   if (!search(frame, predicted, 0, first, p.wide_radius_px)) return;
   Rigid<float> pose = predicted;
-  Matrix<float, 6, 6> covariance;
+  Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
   WindowPoseOptions<float> options;
   options.sigma = parameters_.window.sigma;
   const int found = gather(sightings_, sighted_);
@@ -210,11 +210,11 @@ int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& pre
   frame.work.spend(2 * work::window_pose(found));
   pose = predicted;
   Rigid<float> standing = T_camera_world_;
-  Matrix<float, 6, 6> covariance;
+  Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
   const int from_standing = estimate_window_pose(sightings_, found, options, standing, covariance);
   bool inlier[kMaxFeatures];
   for (int i = 0; i < found; ++i) inlier[i] = sightings_[i].inlier;
-  frame_covariance_ = covariance;
+  if (from_standing >= 0) frame_covariance_ = covariance;
   const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
   if (from_standing > inliers) {
     pose = standing;
