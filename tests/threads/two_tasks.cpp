@@ -28,7 +28,7 @@ using Map = cairn::SharedMap<Config>;
 
 constexpr int kPlaces = 60;
 constexpr double kStep_m = 0.02;
-constexpr std::int64_t kPeriodUs = 33333;
+constexpr std::int64_t kPeriodUs = 100000;  // it turns round by 4 m/s^2, as vehicles can
 
 /// Forward and back again.
 int place_of(int frame) {
@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
   Tracker::Start start;
   start.covariance = 1e-8F * cairn::Matrix3<float>::Identity();
   Tracker::Parameters parameters;
-  parameters.odometry = {0.05F, 0.02F, 0.5F, 0.033333F};
+  parameters.odometry = {0.05F, 0.02F, 0.5F, 0.1F};
   if (!ok(tracker->initialise(cairn::test::to_float(cairn::test::small_camera()), T_vehicle_camera,
                               start, parameters))) {
     std::fprintf(stderr, "the tracker refused its settings\n");
