@@ -117,7 +117,11 @@ function map(run, color, narrow) {
 function consistency(run, color, narrow) {
   const nees = run.nees.map((v) => (v === null ? null : v / 3));
   if (!has(run.nis) && !has(nees)) return null;
-  const series = [line(color, "NIS", "--blue", (v) => text(v, ""))], data = [run.nis];
+  const series = [], data = [];
+  if (has(run.nis)) {
+    series.push(line(color, "NIS", "--blue", (v) => text(v, "")));
+    data.push(run.nis);
+  }
   if (has(nees)) {
     series.push(line(color, "NEES", "--orange", (v) => text(v, "")));
     data.push(nees);
