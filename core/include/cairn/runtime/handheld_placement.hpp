@@ -10,24 +10,44 @@ namespace cairn {
 /// How far from a plane its points may lie, of their median depth.
 inline constexpr float kPlaneTolerance = 0.03F;
 
-/// Least number of n points on a plane that is no chance: of points scattered over a median depth,
-/// one of the planes through three of them holds as many with a probability below 10 % (binomial
-/// tail for the others, times the number of triples; Desolneux, Moisan and Morel 2000).
-constexpr int least_on_plane(int n) {
-  constexpr double kShare = 2.0 * static_cast<double>(kPlaneTolerance);
-  constexpr double kChance = 0.1;
-  const int others = n - 3;
-  const double triples = n * (n - 1.0) * (n - 2.0) / 6.0;
-  double all = 1.0;  // the probability that every other point lies on it
-  for (int i = 0; i < others; ++i) all *= kShare;
-  double tail = 0.0;
-  double exactly = all;
-  for (int on = others; on > 0; --on) {
-    tail += exactly;
-    if (tail * triples >= kChance) return on + 4;
-    exactly *= on / (others - on + 1.0) * (1.0 - kShare) / kShare;
+namespace detail {
+
+/// Least number of n points on a plane that is no chance, for every n: of points scattered over a
+/// median depth, one of the planes through three of them holds as many with a probability below
+/// 10 % (binomial tail for the others, times the number of triples; Desolneux, Moisan and Morel
+/// 2000). Made by the compiler: it needs double precision.
+struct LeastOnPlane {
+  int of[kMaxPlanePoints + 1] = {};
+
+  constexpr LeastOnPlane() {
+    for (int n = 0; n <= kMaxPlanePoints; ++n) of[n] = least(n);
   }
-  return 4;
+
+ private:
+  static constexpr int least(int n) {
+    constexpr double kShare = 2.0 * static_cast<double>(kPlaneTolerance);
+    constexpr double kChance = 0.1;
+    const int others = n - 3;
+    const double triples = n * (n - 1.0) * (n - 2.0) / 6.0;
+    double all = 1.0;  // the probability that every other point lies on it
+    for (int i = 0; i < others; ++i) all *= kShare;
+    double tail = 0.0;
+    double exactly = all;
+    for (int on = others; on > 0; --on) {
+      tail += exactly;
+      if (tail * triples >= kChance) return on + 4;
+      exactly *= on / (others - on + 1.0) * (1.0 - kShare) / kShare;
+    }
+    return 4;
+  }
+};
+inline constexpr LeastOnPlane kLeastOnPlane{};
+
+}  // namespace detail
+
+/// Least number of n points, at most kMaxPlanePoints, on a plane that is no chance.
+constexpr int least_on_plane(int n) {
+  return detail::kLeastOnPlane.of[n];
 }
 
 /// Points in front of a hand-held camera on which an object may be placed, map frame.
