@@ -79,9 +79,8 @@ ExitCode run_kind(const RunKind& kind, const RunOptions& options) {
   if ((options.timing.has_value() || options.use_source) && !kind.gives_pictures) {
     throw UsageError(fmt::format("source '{}' gives no pictures", options.source));
   }
-  if (kind.name == "camera" && !options.max_frames &&
-      (options.timing.has_value() || options.use_source)) {
-    throw UsageError("source camera: expected --max-frames: a camera has no end");
+  if (!kind.has_end && !options.max_frames && (options.timing.has_value() || options.use_source)) {
+    throw UsageError(fmt::format("source {}: expected --max-frames: it has no end", kind.name));
   }
   check_options(kind, options.given);
   return kind.run(options, has_rest ? options.source.substr(colon + 1) : std::string());
@@ -111,7 +110,7 @@ const std::vector<RunKind>& run_kinds() {
       {"euroc", "DIR", run_euroc, joined(picture_options(), {"--camera"})},
       {"tum-vi", "DIR", run_euroc, joined(picture_options(), {"--camera"})},
       {"video", "FILE_OR_FOLDER", run_video, video},
-      {"camera", "DEVICE", run_camera, camera},
+      {"camera", "DEVICE", run_camera, camera, true, false},
       {"lost-in-the-woods", "DIR", run_lost_in_the_woods, joined(landmarks, {"--profile"}), false},
       {"mrclam", "DIR:ROBOT", run_mrclam, joined(landmarks, {"--profile"}), false},
       {"victoria-park", "DIR", run_victoria_park, landmarks, false},

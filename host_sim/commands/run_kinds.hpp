@@ -16,6 +16,7 @@ struct RunKind {
   ExitCode (*run)(const RunOptions& options, const std::string& argument);
   std::vector<std::string> options;  ///< that it uses and not every kind does
   bool gives_pictures = true;
+  bool has_end = true;  ///< a live camera has none
 };
 
 /// Runs `options.source` as its kind does. UsageError for an unknown kind, a wrong argument, and an

@@ -16,21 +16,21 @@ times_without() {
   rm -r "$work/out"
 }
 
-# stub LINE: a valgrind that does this.
-mkdir "$work/stub" "$work/empty"
-stub() {
-  printf '#!/bin/sh\n%s\n' "$1" >"$work/stub/valgrind"
-  chmod +x "$work/stub/valgrind"
+# replace_valgrind LINE: a program of its name that does this.
+mkdir "$work/bin" "$work/empty"
+replace_valgrind() {
+  printf '#!/bin/sh\n%s\n' "$1" >"$work/bin/valgrind"
+  chmod +x "$work/bin/valgrind"
 }
 
-environment=("PATH=$work/stub:$PATH")
-stub "exit 132"
+environment=("PATH=$work/bin:$PATH")
+replace_valgrind "exit 132"
 times_without "valgrind ended with code 132 (Illegal instruction)|does not know an instruction of this processor"
-stub "kill -ILL \$\$"
+replace_valgrind "kill -ILL \$\$"
 times_without "valgrind was ended by signal 4 (Illegal instruction)|does not know an instruction of this processor"
-stub "echo \"valgrind: failed to start tool 'callgrind'\" >&2; exit 1"
+replace_valgrind "echo \"valgrind: failed to start tool 'callgrind'\" >&2; exit 1"
 times_without "valgrind ended with code 1: valgrind: failed to start tool 'callgrind'"
-stub "exit 0"
+replace_valgrind "exit 0"
 times_without "callgrind wrote no counts of frames"
 environment=("PATH=$work/empty")
 times_without "valgrind is not installed"

@@ -132,7 +132,7 @@ class WindowMemory {
   static constexpr int kStride = 97;  ///< coprime to any library: what is left out is spread
   enum class Stage : std::uint8_t { kIdle, kComparing, kFound, kProposed };
   static constexpr int kSelection = 120;  // units
-  static constexpr int kVisit = 2 * LibraryConfig::kLibraryLandmarks * work::kLibrarySlot / 2;
+  static constexpr int kVisit = LibraryConfig::kLibraryLandmarks * work::kLibrarySlot;
   static int refinement_work(int count) { return work::kRefinement * count / 24; }
 
   bool expected_view(const FrameContext& frame, int slot, const Rigid<float>& T_map_camera,
