@@ -138,7 +138,11 @@ TEST_F(AVehicleWithOdometry, RefusesWhatNoVehicleDoesAndKeepsTheState) {
   EXPECT_EQ(add(2 * kPeriodUs, 1e6F), Status::kInvalidArgument);
   EXPECT_EQ(add(2 * kPeriodUs, 1e38F), Status::kInvalidArgument);
   EXPECT_EQ(add(2 * kPeriodUs, 1.0F, 200.0F), Status::kInvalidArgument);
-  EXPECT_EQ(health_.odometry_refused, 4U);
+  OdometrySample of_no_kind;
+  of_no_kind.t_us = 2 * kPeriodUs;
+  of_no_kind.kind = static_cast<OdometrySample::Kind>(OdometrySample::kKindCount);
+  EXPECT_EQ(odometry_.add(of_no_kind, filter_, health_), Status::kInvalidArgument);
+  EXPECT_EQ(health_.odometry_refused, 5U);
   ASSERT_TRUE(ok(add(2 * kPeriodUs, 1.0F)));
   EXPECT_NEAR(x(), 0.2F, 1e-5F);
   EXPECT_EQ(filter_.mean_pose().heading, 0.0F);

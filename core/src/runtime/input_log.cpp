@@ -197,7 +197,8 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::ui
   const std::uint8_t filter = unpack.u8();
   const std::uint8_t odometry_kind = unpack.u8();
   const std::uint8_t adaptive = unpack.u8();
-  if (mode > 1 || filter > 4 || odometry_kind > 1 || adaptive > 1) return Status::kBadConfig;
+  if (mode > 1 || filter > 4 || odometry_kind >= OdometrySample::kKindCount || adaptive > 1)
+    return Status::kBadConfig;
   header.mode = static_cast<LogMode>(mode);
   header.filter = static_cast<LogFilter>(filter);
   header.odometry_kind = static_cast<OdometrySample::Kind>(odometry_kind);
@@ -246,7 +247,7 @@ Status decode_odometry(const std::uint8_t (&bytes)[kLogOdometryBytes], OdometryS
   Unpacker unpack(bytes);
   const auto t_us = static_cast<std::int64_t>(unpack.u64());
   const std::uint32_t kind = unpack.u32();
-  if (kind > 1U) return Status::kCorrupt;
+  if (kind >= OdometrySample::kKindCount) return Status::kCorrupt;
   sample.t_us = t_us;
   sample.kind = static_cast<OdometrySample::Kind>(kind);
   sample.speed_mps = unpack.f32();

@@ -69,7 +69,8 @@ Status OdometryIntegrator::check(const OdometrySample& sample, Health& health) c
     return Status::kTimeBackwards;
   }
   const bool ackermann = sample.kind == OdometrySample::Kind::kAckermann;
-  const bool possible = abs(sample.speed_mps) <= kMaxSpeed_mps &&
+  const bool possible = static_cast<unsigned>(sample.kind) < OdometrySample::kKindCount &&
+                        abs(sample.speed_mps) <= kMaxSpeed_mps &&
                         (!ackermann || abs(sample.turn) <= kMaxSteering_rad) &&
                         abs(sample.turn) <= 1e3F;
   const float longest_s = static_cast<float>(max_step_us_) * 1e-6F;

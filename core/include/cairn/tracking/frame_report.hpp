@@ -12,6 +12,7 @@ namespace cairn {
 /// Vehicle odometry over the time since the sample before it.
 struct OdometrySample {
   enum class Kind : std::uint8_t { kTwist, kAckermann };
+  static constexpr unsigned kKindCount = 2;
   std::int64_t t_us = 0;
   Kind kind = Kind::kTwist;
   float speed_mps = 0.0F;
