@@ -9,7 +9,7 @@
 #include "cairn/runtime/window_tracker.hpp"
 
 /// The core's trackers with the capacities and filters that the host offers, compiled once, in the
-/// library cairn_core_trackers: a compiler takes many seconds for each.
+/// library cairn_host_trackers: a compiler takes many seconds for each.
 ///
 /// CAIRN_TRACKER_<filter>(prefix, Config): explicit instantiations of a filter and its tracker.
 #define CAIRN_VEHICLE_TRACKER(prefix, Config, ...) \
