@@ -143,8 +143,8 @@ bool BoardDetector::find_charuco(const cv::Mat& grey, BoardView& view) const {
   charuco_pattern(options_).find(grey, view.pixels, corners);
   if (corners.empty()) return false;
   for (const int corner : corners) {
-    view.points.emplace_back(static_cast<float>(corner % inner_.width),
-                             static_cast<float>(corner / inner_.width), 0.0F);
+    const cv::Point place(corner % inner_.width, corner / inner_.width);
+    view.points.emplace_back(static_cast<float>(place.x), static_cast<float>(place.y), 0.0F);
   }
   return static_cast<int>(corners.size()) >= std::min(kLeastCharucoCorners, corner_count()) &&
          spans_a_plane(view.points);

@@ -81,10 +81,10 @@ Fit fit_fisheye(const Points3& points, const Points2& pixels, const cv::Size& si
 /// With as few coefficients as the pictures need: those that they do not determine bend the lens
 /// where no board was.
 Fit fit_fisheye(const Points3& points, const Points2& pixels, const cv::Size& size) {
-  const Fit full = fit_fisheye(points, pixels, size, 0);
+  Fit full = fit_fisheye(points, pixels, size, 0);
   for (const int fixed : {cv::fisheye::CALIB_FIX_K3 | cv::fisheye::CALIB_FIX_K4,
                           static_cast<int>(cv::fisheye::CALIB_FIX_K4)}) {
-    const Fit fewer = fit_fisheye(points, pixels, size, fixed);
+    Fit fewer = fit_fisheye(points, pixels, size, fixed);
     if (fewer.rms_px <= kSameRms * full.rms_px) return fewer;
   }
   return full;
