@@ -22,5 +22,5 @@ else
 fi
 
 # A build folder of its own: one source each, whatever build/host is configured for.
-cmake --preset host -B build/lint >/dev/null
+cmake --preset host -B build/lint -DCAIRN_UNITY_BUILD=OFF >/dev/null
 run-clang-tidy -quiet -p build/lint -j "$(nproc)" "${checks[@]}" "^$PWD/(core|examples|host_sim|port|tests|web)/"

@@ -35,6 +35,14 @@ if(CAIRN_BARE_METAL)
   endif()
 endif()
 
+# cairn_compile_sooner(): for what a folder compiles from here on, -O2 in the place of -O3, which takes the compiler a
+# quarter to a third more time and is worth it in the core alone.
+macro(cairn_compile_sooner)
+  if(CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
+    add_compile_options($<$<CONFIG:Release>:-O2>)
+  endif()
+endmacro()
+
 if(CAIRN_SANITIZE)
   add_compile_options(-fsanitize=${CAIRN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${CAIRN_SANITIZE})
