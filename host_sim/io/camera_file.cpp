@@ -105,7 +105,7 @@ std::string coefficients_of(const PinholeCamera<double>& camera) {
   if (camera.lens == Lens::kFisheye) {
     return fmt::format("k1 {} k2 {} k3 {} k4 {}", camera.k1, camera.k2, camera.k3, camera.k4);
   }
-  const std::string text = fmt::format("k1 {} k2 {} k3 {}", camera.k1, camera.k2, camera.k3);
+  std::string text = fmt::format("k1 {} k2 {} k3 {}", camera.k1, camera.k2, camera.k3);
   if (!camera.is_rational()) return text;
   return text + fmt::format(" k4 {} k5 {} k6 {}", camera.k4, camera.k5, camera.k6);
 }

@@ -29,7 +29,7 @@ class TreeBuilder final : public YAML::EventHandler {
   explicit TreeBuilder(fs::path file) : file_(std::move(file)) {}
 
   json take() { return std::move(root_); }
-  bool is_empty() const { return root_.is_null() || root_ == ""; }
+  bool is_empty() const { return root_.is_null() || root_ == json(json::value_t::string); }
 
   void OnDocumentStart(const YAML::Mark& /*mark*/) override {}
   void OnDocumentEnd() override {}

@@ -58,7 +58,7 @@ PictureHeader checked_header(const fs::path& path, std::string_view bytes) {
 }
 
 cv::Mat decode(const fs::path& path, const cv::Size& size, bool any_depth) {
-  const std::string bytes = read_bytes(path, kLargestFile);
+  std::string bytes = read_bytes(path, kLargestFile);
   const PictureHeader header = checked_header(path, bytes);
   if (!header.whole) throw InputError(path, "expected a whole image; the file is cut short");
   // A JPEG may be turned by a quarter when it is decoded.
@@ -71,8 +71,7 @@ cv::Mat decode(const fs::path& path, const cv::Size& size, bool any_depth) {
   }
   cv::Mat picture;
   try {
-    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1,
-                          const_cast<char*>(bytes.data()));
+    const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());
     picture = cv::imdecode(
         encoded, any_depth ? cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH : cv::IMREAD_GRAYSCALE);
   } catch (const cv::Exception&) {

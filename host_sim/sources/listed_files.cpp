@@ -8,7 +8,7 @@ namespace cairn::host {
 
 std::filesystem::path inside_folder(const std::filesystem::path& file,
                                     const std::filesystem::path& list, int line) {
-  const std::filesystem::path plain = file.lexically_normal();
+  std::filesystem::path plain = file.lexically_normal();
   if (plain.is_absolute() || plain.empty() || *plain.begin() == "..") {
     throw InputError(
         list, line,

@@ -99,7 +99,10 @@ void draw_shapes(cv::Mat& area, GaussianRandom& random) {
 }
 
 void draw_landscape(cv::Mat& area, GaussianRandom& random) {
-  for (int y = 0; y < area.rows; ++y) area.row(y).setTo(235 - 70 * y / area.rows);
+  for (int y = 0; y < area.rows; ++y) {
+    const int level = 235 - 70 * y / area.rows;
+    area.row(y).setTo(level);
+  }
   cv::circle(area, {area.cols / 5 + random.below(area.cols / 2), area.rows / 4}, area.rows / 9,
              cv::Scalar(252), cv::FILLED, cv::LINE_AA);
   for (int ridge = 0; ridge < 3; ++ridge) {

@@ -195,8 +195,10 @@ int Renderer::blended(int x, int y) const {
   double s_sum[kMaxCandidates] = {};
   double t_sum[kMaxCandidates] = {};
   for (int k = 0; k < kSubsamples * kSubsamples; ++k) {
-    const double u = x + (k % kSubsamples + 0.5) / kSubsamples - 0.5;
-    const double v = y + (k / kSubsamples + 0.5) / kSubsamples - 0.5;
+    const int column = k % kSubsamples;
+    const int row = k / kSubsamples;
+    const double u = x + (column + 0.5) / kSubsamples - 0.5;
+    const double v = y + (row + 0.5) / kSubsamples - 0.5;
     int best = -1;
     double best_w = 0.0;
     double best_s = 0.0;
