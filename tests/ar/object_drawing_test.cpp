@@ -230,8 +230,8 @@ TEST(DrawObject, DrawsWhatRayCastingSeesAndNothingElse) {
           if (!ok(camera.project(pose.inverse() * p, pixel)) || !camera.contains(pixel, 3))
             continue;
           if (is_hidden(object, eye, p)) continue;
-          const int x = static_cast<int>(pixel.x() + 0.5F);
-          const int y = static_cast<int>(pixel.y() + 0.5F);
+          const int x = static_cast<int>(std::lround(pixel.x()));
+          const int y = static_cast<int>(std::lround(pixel.y()));
           int brightest = 0;
           for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
