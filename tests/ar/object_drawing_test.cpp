@@ -1,5 +1,6 @@
 #include "cairn/ar/object_drawing.hpp"
 
+#include <cmath>
 #include <limits>
 #include <memory>
 
