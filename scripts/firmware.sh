@@ -45,7 +45,9 @@ if [ ${#targets[@]} -eq 0 ]; then
   [ $all = no ] || targets+=("${hosts[@]}")
 fi
 
-scripts/setup.sh qemu-user googletest libclang-rt-14-dev \
+scripts/setup.sh
+clang_release=$(clang -dumpversion | cut -d. -f1)
+scripts/setup.sh qemu-user googletest "libclang-rt-$clang_release-dev" \
   g++-aarch64-linux-gnu g++-arm-linux-gnueabihf g++-riscv64-linux-gnu
 
 programs=(port_selftest exercise footprint replay_vehicle replay_handheld replay_vehicle_tiny

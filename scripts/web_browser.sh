@@ -7,7 +7,8 @@ cd "$(dirname "$0")/.."
 
 out=build/web-browser
 [ -f build/web/index.html ] || scripts/web.sh
-scripts/setup.sh chromium nodejs
+command -v chromium chromium-browser google-chrome >/dev/null || scripts/setup.sh chromium
+scripts/setup.sh nodejs
 command -v npm >/dev/null || scripts/setup.sh npm # not where nodejs brings its own
 mkdir -p "$out"
 [ -d "$out/node_modules/playwright-core" ] || npm install --silent --no-save --prefix "$out" playwright-core

@@ -13,6 +13,16 @@ const os = require("os");
 const path = require("path");
 const { chromium } = require("playwright-core");
 
+/** The first of the browser's names that is in the PATH. */
+function findChromium() {
+  for (const name of ["chromium", "chromium-browser", "google-chrome"]) {
+    for (const folder of process.env.PATH.split(path.delimiter)) {
+      if (fs.existsSync(path.join(folder, name))) return path.join(folder, name);
+    }
+  }
+  throw new Error("browser.js: neither chromium nor google-chrome is in the PATH");
+}
+
 const TYPES = {
   ".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wasm": "application/wasm",
   ".json": "application/json",
@@ -47,7 +57,7 @@ function serve(folder, requests) {
 
 async function open(profile, extra, options) {
   const context = await chromium.launchPersistentContext(fs.mkdtempSync(profile), {
-    executablePath: "/usr/bin/chromium", headless: true, args: [...ARGUMENTS, ...extra], ...options,
+    executablePath: findChromium(), headless: true, args: [...ARGUMENTS, ...extra], ...options,
   });
   const page = context.pages()[0] || await context.newPage();
   page.on("pageerror", (error) => check(false, `no error on the page: ${error.message}`));
