@@ -1,6 +1,5 @@
 #include "host_sim/commands/consistency_command.hpp"
 
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -33,26 +32,10 @@ struct ConsistencyOptions {
   std::vector<std::string> scalars;  ///< empty: double
   std::uint64_t seed = 1;
   int threads = 0;
-  std::string shard = "1/1";
+  Shard shard;
   bool pictures = true;
   std::filesystem::path out;
 };
-
-Shard parse_shard(const std::string& text) {
-  Shard shard;
-  const char* end = text.data() + text.size();
-  const auto index = std::from_chars(text.data(), end, shard.index);
-  bool good = index.ec == std::errc() && index.ptr != end && *index.ptr == '/';
-  if (good) {
-    const auto count = std::from_chars(index.ptr + 1, end, shard.count);
-    good = count.ec == std::errc() && count.ptr == end;
-  }
-  if (!good || shard.count < 1 || shard.index < 1 || shard.index > shard.count) {
-    throw UsageError(
-        fmt::format("--shard '{}': expected i/n with 1 <= i <= n, for example 3/8", text));
-  }
-  return shard;
-}
 
 /// Every filter with every scalar: a filter in double has the plain name.
 std::vector<std::string> filters_of(const ConsistencyOptions& options) {
@@ -77,7 +60,7 @@ ExperimentConfig make_config(const ConsistencyOptions& options) {
   config.seed = options.seed;
   config.filters = filters_of(options);
   config.threads = options.threads;
-  config.shard = parse_shard(options.shard);
+  config.shard = options.shard;
   SimulationConfig& simulation = config.simulation;
   simulation.heading_variance_rad2 = options.heading_variance;
   simulation.position_variance_m2 = options.position_variance;
@@ -109,14 +92,9 @@ void run(const ConsistencyOptions& options, const std::string& command_line) {
     std::fflush(stderr);
   });
   if (terminal) fmt::print(stderr, "\r{:40}\r", "");
-  write_manifest(options.out,
-                 {command_line, options.seed, "see summary.json, experiment", nullptr});
-  write_experiment(result, options.out);
-  fmt::print("{}", experiment_table(result));
-  if (options.pictures && config.shard.count == 1) {
-    if (const auto problem = draw_experiment(options.out)) fmt::print(stderr, "{}\n", *problem);
-  }
-  fmt::print("results in {}\n", options.out.string());
+  PartialResult part = make_partial("consistency", configuration_json(result.config), config.shard);
+  part.pieces[config.shard.index] = sums_of(result);
+  conclude_or_leave(part, {options.out, command_line, options.pictures}, conclude_consistency);
 }
 
 void add_options(CLI::App& command, ConsistencyOptions& options) {
@@ -171,13 +149,34 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
   command.add_option("--threads", options.threads, "Threads, 0: all; never changes the result")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  command.add_option("--shard", options.shard, "Part i of n, for cairn_sim merge")
-      ->capture_default_str();
+  add_shard_option(command, options.shard);
   command.add_flag("!--no-pictures", options.pictures, "Do not draw");
   command.add_option("--out", options.out, "Folder for the results")->required();
 }
 
 }  // namespace
+
+ExitCode conclude_consistency(const PartialResult& whole, const Conclusion& conclusion) {
+  std::optional<ExperimentResult> result;
+  for (const auto& [shard, sums] : whole.pieces) {
+    ExperimentResult part = read_sums(whole.settings, sums);
+    if (result.has_value()) {
+      merge_experiment(*result, part);
+    } else {
+      result = std::move(part);
+    }
+  }
+  make_folder(conclusion.out);
+  write_manifest(conclusion.out, {conclusion.command_line, result->config.seed,
+                                  "see summary.json, experiment", nullptr});
+  write_experiment(*result, conclusion.out);
+  fmt::print("{}", experiment_table(*result));
+  if (conclusion.pictures) {
+    if (const auto problem = draw_experiment(conclusion.out)) fmt::print(stderr, "{}\n", *problem);
+  }
+  fmt::print("results in {}\n", conclusion.out.string());
+  return ExitCode::kOk;
+}
 
 void register_consistency_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(

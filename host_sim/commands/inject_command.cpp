@@ -18,6 +18,9 @@
 #include "host_sim/sources/playback_source.hpp"
 
 namespace cairn::host {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FaultOutcome, id, component, mode, injected, expected, seen,
+                                   counters, verdict)
+
 namespace {
 
 constexpr int kFrames = 600;
@@ -32,6 +35,7 @@ struct Arguments {
   bool brief = false;
   std::optional<int> frames;
   std::optional<int> from;
+  Shard shard;
   RunOptions run;
 };
 
@@ -108,17 +112,26 @@ std::string table_of(const std::vector<FaultOutcome>& outcomes) {
   return table;
 }
 
-std::vector<FaultOutcome> inject_all(const FaultScene& scene,
-                                     const std::vector<std::string>& wanted) {
-  std::vector<FaultOutcome> outcomes;
-  for (const FaultClass& fault : fault_classes()) {
-    const bool asked = std::find(wanted.begin(), wanted.end(), fault.id) != wanted.end();
-    if (!wanted.empty() && !asked) continue;
-    for (FaultOutcome& outcome : fault.inject(scene)) {
-      outcome.id = fault.id;
+/// A piece for each class of faults that is wanted and of the shard.
+void inject_all(const FaultScene& scene, const Arguments& arguments, PartialResult& part) {
+  const std::vector<FaultClass>& classes = fault_classes();
+  for (std::size_t i = 0; i < classes.size(); ++i) {
+    const bool asked = std::find(arguments.faults.begin(), arguments.faults.end(), classes[i].id) !=
+                       arguments.faults.end();
+    if ((!arguments.faults.empty() && !asked) || !arguments.shard.has(i)) continue;
+    std::vector<FaultOutcome> outcomes = classes[i].inject(scene);
+    for (FaultOutcome& outcome : outcomes) {
+      outcome.id = classes[i].id;
       print(outcome);
-      outcomes.push_back(std::move(outcome));
     }
+    part.pieces[static_cast<int>(i)] = outcomes;
+  }
+}
+
+std::vector<FaultOutcome> outcomes_of(const PartialResult& part) {
+  std::vector<FaultOutcome> outcomes;
+  for (const auto& [number, piece] : part.pieces) {
+    for (const nlohmann::json& outcome : piece) outcomes.push_back(outcome.get<FaultOutcome>());
   }
   return outcomes;
 }
@@ -135,20 +148,40 @@ ExitCode summarise(const std::vector<FaultOutcome>& outcomes) {
   return failed == 0 ? ExitCode::kOk : ExitCode::kCheckFailed;
 }
 
+nlohmann::json settings_json(const RunOptions& options, const Arguments& arguments) {
+  return {{"source", options.source},
+          {"faults", arguments.faults},
+          {"brief", arguments.brief},
+          {"frames", *options.max_frames},
+          {"from", arguments.from.value_or(-1)},
+          {"first_frame", options.first_frame.value_or(-1)},
+          {"seed", options.seed}};
+}
+
 ExitCode run(const Arguments& arguments) {
   if (arguments.list) {
     list_faults();
     return ExitCode::kOk;
   }
   check_faults(arguments.faults);
+  if (!arguments.shard.whole() && arguments.run.out.empty()) {
+    throw UsageError("--shard needs --out, the folder that merge reads");
+  }
   RunOptions options = arguments.run;
   options.max_frames = arguments.frames.value_or(arguments.brief ? kBriefFrames : kFrames);
   ExitCode result = ExitCode::kOk;
   options.use_source = [&](FrameSource& source) {
     const FaultScene scene = scene_of(source, arguments);
-    const std::vector<FaultOutcome> outcomes = inject_all(scene, arguments.faults);
-    if (!arguments.run.out.empty()) write_text(arguments.run.out, table_of(outcomes));
-    result = summarise(outcomes);
+    PartialResult part = make_partial("inject", settings_json(options, arguments), arguments.shard);
+    inject_all(scene, arguments, part);
+    if (arguments.shard.whole()) {
+      const std::vector<FaultOutcome> outcomes = outcomes_of(part);
+      if (!arguments.run.out.empty()) write_text(arguments.run.out, table_of(outcomes));
+      result = summarise(outcomes);
+    } else {
+      const Conclusion conclusion{arguments.run.out, arguments.run.command_line};
+      result = conclude_or_leave(part, conclusion, conclude_inject);
+    }
   };
   const ExitCode source_result = dispatch_run(options);
   return source_result == ExitCode::kOk ? result : source_result;
@@ -162,7 +195,9 @@ void add_options(CLI::App& command, Arguments& arguments) {
       ->delimiter(',');
   command.add_flag("--list", arguments.list, "Name the faults and end");
   command.add_flag("--brief", arguments.brief, "Fewer frames, draws and variants: seconds a fault");
-  command.add_option("--out", arguments.run.out, "File for the results (CSV)");
+  command.add_option("--out", arguments.run.out,
+                     "File for the results (CSV); with --shard a folder");
+  add_shard_option(command, arguments.shard);
   command.add_option("--frames", arguments.frames, "Frames of the source that are used")
       ->check(above_zero());
   command.add_option("--from", arguments.from, "Frames before a fault")->check(above_zero());
@@ -175,6 +210,13 @@ void add_options(CLI::App& command, Arguments& arguments) {
 }
 
 }  // namespace
+
+ExitCode conclude_inject(const PartialResult& whole, const Conclusion& conclusion) {
+  const std::vector<FaultOutcome> outcomes = outcomes_of(whole);
+  for (const FaultOutcome& outcome : outcomes) print(outcome);
+  write_text(conclusion.out / "faults.csv", table_of(outcomes));
+  return summarise(outcomes);
+}
 
 void register_inject_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(

@@ -13,6 +13,10 @@
 #include "host_sim/sources/hall_source.hpp"
 
 namespace cairn::host {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LapResult, lap, frames, tracked, lost, map_rms_m, map_worst_m,
+                                   filter_rms_m, sigma_m, nees, worst_nees, map_nees, library,
+                                   memory_mb, frame_ms)
+
 namespace {
 
 constexpr int kLapFrames = 2400;
@@ -25,6 +29,8 @@ struct Arguments {
   int laps = 50;
   int width = 320;
   std::uint64_t seed = 1;
+  int seeds = 1;
+  Shard shard;
   std::filesystem::path out;
 };
 
@@ -39,15 +45,15 @@ TrackerOptions tracker_at_start(const Frame& first, std::uint64_t seed) {
   return options;
 }
 
-HallOptions hall_of(const Arguments& arguments, int frames) {
+HallOptions hall_of(const Arguments& arguments, std::uint64_t seed, int frames) {
   HallOptions hall;
   hall.width = arguments.width;
-  hall.seed = arguments.seed;
+  hall.seed = seed;
   hall.frame_count = frames;
   return hall;
 }
 
-/// What holds of every lap.
+/// What holds of every lap of one seed.
 bool holds(const std::vector<LapResult>& laps) {
   bool good = !laps.empty();
   for (const LapResult& lap : laps) {
@@ -59,48 +65,82 @@ bool holds(const std::vector<LapResult>& laps) {
   return good;
 }
 
-void write_laps(const Arguments& arguments, const std::string& command_line,
-                const std::vector<LapResult>& laps) {
-  std::string table = laps_header();
-  for (const LapResult& lap : laps) table += laps_row(lap);
-  write_text(arguments.out / "laps.csv", table);
+/// laps.csv and summary.json; returns whether all seeds hold.
+bool write_laps(const PartialResult& part, const Conclusion& conclusion) {
+  std::string table = "seed," + laps_header();
+  bool good = !part.pieces.empty();
+  std::size_t count = 0;
+  for (const auto& [number, piece] : part.pieces) {
+    const auto seed =
+        part.settings.at("seed").get<std::uint64_t>() + static_cast<std::uint64_t>(number);
+    const auto laps = piece.get<std::vector<LapResult>>();
+    for (const LapResult& lap : laps) table += fmt::format("{},{}", seed, laps_row(lap));
+    good = good && holds(laps);
+    count += laps.size();
+  }
+  make_folder(conclusion.out);
+  write_text(conclusion.out / "laps.csv", table);
   nlohmann::json summary = {
-      {"command", command_line},
+      {"command", conclusion.command_line},
       {"build", build_manifest()},
-      {"laps", laps.size()},
-      {"laps_asked", arguments.laps},
+      {"seeds", part.pieces.size()},
+      {"laps", count},
+      {"laps_asked", part.settings.at("laps")},
       {"limits",
        {{"map_rms_m", kMostRms_m}, {"nees", kMostNees}, {"memory_growth_mb", kMostGrowth_mb}}},
-      {"holds", holds(laps)}};
+      {"holds", good}};
   summary["interrupted_by"] =
       interrupted() == 0 ? nlohmann::json(nullptr) : nlohmann::json(interrupted());
-  write_json(arguments.out / "summary.json", summary);
+  write_json(conclusion.out / "summary.json", summary);
+  return good;
+}
+
+/// The laps of one seed as a piece of `part`, written as each ends.
+void drive(const Arguments& arguments, int number, const Conclusion& conclusion,
+           PartialResult& part) {
+  const std::uint64_t seed = arguments.seed + static_cast<std::uint64_t>(number);
+  Frame first;
+  static_cast<void>(make_hall_source(hall_of(arguments, seed, 1))->next(first));
+  const std::unique_ptr<FrameSource> source =
+      make_hall_source(hall_of(arguments, seed, arguments.laps * kLapFrames));
+  std::vector<LapResult> done;
+  const auto note = [&](const LapResult& lap) {
+    fmt::print("{},{}", seed, laps_row(lap));
+    std::fflush(stdout);
+    done.push_back(lap);
+    part.pieces[number] = done;
+    if (arguments.shard.whole()) static_cast<void>(write_laps(part, conclusion));
+  };
+  part.pieces[number] = run_laps(*source, tracker_at_start(first, seed), note);
 }
 
 ExitCode run(const Arguments& arguments, const std::string& command_line) {
-  Frame first;
-  static_cast<void>(make_hall_source(hall_of(arguments, 1))->next(first));
-  const std::unique_ptr<FrameSource> source =
-      make_hall_source(hall_of(arguments, arguments.laps * kLapFrames));
   make_folder(arguments.out);
   const InterruptionGuard guard;
-  fmt::print("{}", laps_header());
-  std::vector<LapResult> done;
-  const auto note = [&](const LapResult& lap) {
-    fmt::print("{}", laps_row(lap));
-    std::fflush(stdout);
-    done.push_back(lap);
-    write_laps(arguments, command_line, done);
-  };
-  const std::vector<LapResult> laps =
-      run_laps(*source, tracker_at_start(first, arguments.seed), note);
-  write_laps(arguments, command_line, laps);
-  if (interrupted() == SIGINT) return ExitCode::kInterrupted;
-  if (interrupted() != 0) return ExitCode::kTerminated;
-  return holds(laps) ? ExitCode::kOk : ExitCode::kCheckFailed;
+  PartialResult part = make_partial("laps",
+                                    {{"laps", arguments.laps},
+                                     {"width", arguments.width},
+                                     {"seed", arguments.seed},
+                                     {"seeds", arguments.seeds}},
+                                    arguments.shard);
+  const Conclusion conclusion{arguments.out, command_line};
+  fmt::print("seed,{}", laps_header());
+  for (int number = 0; number < arguments.seeds && interrupted() == 0; ++number) {
+    if (!arguments.shard.has(static_cast<std::size_t>(number))) continue;
+    drive(arguments, number, conclusion, part);
+  }
+  if (interrupted() != 0) {
+    if (arguments.shard.whole()) static_cast<void>(write_laps(part, conclusion));
+    return interrupted() == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated;
+  }
+  return conclude_or_leave(part, conclusion, conclude_laps);
 }
 
 }  // namespace
+
+ExitCode conclude_laps(const PartialResult& whole, const Conclusion& conclusion) {
+  return write_laps(whole, conclusion) ? ExitCode::kOk : ExitCode::kCheckFailed;
+}
 
 void register_laps_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(
@@ -112,9 +152,13 @@ void register_laps_command(CommandContext& context) {
   command->add_option("--width", arguments->width, "Width of the pictures, 320 or 640")
       ->check(CLI::IsMember({320, 640}))
       ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Seed of everything random")
+  command->add_option("--seed", arguments->seed, "First seed of everything random")
       ->check(seed_number())
       ->capture_default_str();
+  command->add_option("--seeds", arguments->seeds, "Number of seeds, one drive each")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  add_shard_option(*command, arguments->shard);
   command->add_option("--out", arguments->out, "Folder for the results")->required();
   command->callback(
       [&context, arguments] { context.exit_code = run(*arguments, context.command_line); });

@@ -4,7 +4,7 @@
 
 namespace cairn::host {
 
-/// `cairn_sim merge`: joins the shards of `cairn_sim consistency --shard i/n`.
+/// `cairn_sim merge`: joins the shards of an experiment that ran with --shard i/n.
 void register_merge_command(CommandContext& context);
 
 }  // namespace cairn::host

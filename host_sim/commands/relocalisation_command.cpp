@@ -23,6 +23,13 @@
 #include "host_sim/sources/data_sets.hpp"
 
 namespace cairn::host {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(KidnapTrial, number, kind, length, start, frames_to_recovery,
+                                   relocalised, error_m, undisturbed_error_m, claimed_squared,
+                                   jump_squared, claimed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CutTrial, number, kind, length, start, library, said_lost,
+                                   frames_to_seen, frames_to_recovery, tracking, recovery_error_m,
+                                   error_m, undisturbed_error_m)
+
 namespace {
 
 constexpr int kFramesPerSecond = 30;
@@ -33,6 +40,7 @@ struct RelocalisationOptions {
   std::string source;         ///< empty: the built-in hall
   std::optional<int> trials;  ///< of each kind and length
   std::vector<int> lengths;
+  Shard shard;
   std::filesystem::path out;
 };
 
@@ -141,6 +149,25 @@ void write_trials(const std::filesystem::path& folder, const std::vector<CutTria
   file.finish();
 }
 
+template <class Trial>
+std::vector<Trial> trials_of(const PartialResult& whole) {
+  std::vector<Trial> trials;
+  for (const auto& [number, trial] : whole.pieces) trials.push_back(trial.template get<Trial>());
+  return trials;
+}
+
+template <class Trial>
+void add_pieces(const std::vector<Trial>& trials, PartialResult& part) {
+  for (const Trial& trial : trials) part.pieces[trial.number] = trial;
+}
+
+nlohmann::json summary_of(const PartialResult& whole, const Conclusion& conclusion) {
+  return {{"command", conclusion.command_line},
+          {"seed", whole.settings.at("seed")},
+          {"version", build_info().version},
+          {"compiler", build_info().compiler}};
+}
+
 /// Hand-held trials on a recording. They hold where no recovery is false and every loss is said:
 /// how many recover depends on whether the camera returns to what it has mapped.
 ExitCode run_cut(const RelocalisationOptions& options, const std::string& command_line) {
@@ -155,18 +182,29 @@ ExitCode run_cut(const RelocalisationOptions& options, const std::string& comman
   const auto source =
       make_seven_scenes_source(options.source.substr(std::string(kSevenScenes).size()), {});
   make_folder(options.out);
-  const std::vector<CutTrial> trials = run_cut_trials(*source, settings, [](int, int) {});
-  write_trials(options.out, trials);
-  nlohmann::json summary = {{"command", command_line},
-                            {"seed", settings.seed},
-                            {"version", build_info().version},
-                            {"cut", nlohmann::json::array()}};
+  PartialResult part = make_partial("relocalisation",
+                                    {{"trials_of", "cut"},
+                                     {"source", options.source},
+                                     {"seed", settings.seed},
+                                     {"trials", settings.trials},
+                                     {"lengths", settings.lengths},
+                                     {"filter", settings.filter}},
+                                    options.shard);
+  add_pieces(run_cut_trials(*source, settings, options.shard, [](int, int) {}), part);
+  return conclude_or_leave(part, {options.out, command_line}, conclude_relocalisation);
+}
+
+ExitCode conclude_cut(const PartialResult& whole, const Conclusion& conclusion) {
+  const auto trials = trials_of<CutTrial>(whole);
+  write_trials(conclusion.out, trials);
+  nlohmann::json summary = summary_of(whole, conclusion);
+  summary["cut"] = nlohmann::json::array();
   bool holds = true;
   fmt::print("{:<8} {:>6} {:>7} {:>11} {:>12} {:>6} {:>18} {:>15} {:>15}\n", "kind", "blind",
              "trials", "seen again", "back in 2 s", "false", "loss not reported", "median error m",
              "undisturbed m");
   for (const CutKind kind : kCutKinds) {
-    for (const int length : settings.lengths) {
+    for (const int length : whole.settings.at("lengths").get<std::vector<int>>()) {
       const nlohmann::json row = summarise(trials, kind, length);
       holds = holds && row["false_recoveries"] == 0 && row["loss_not_reported"] == 0;
       fmt::print("{:<8} {:>6} {:>7} {:>11} {:>12} {:>6} {:>18} {:>15} {:>15}\n",
@@ -179,8 +217,8 @@ ExitCode run_cut(const RelocalisationOptions& options, const std::string& comman
     }
   }
   summary["holds"] = holds;
-  write_json(options.out / "summary.json", summary);
-  fmt::print("results in {}\n", options.out.string());
+  write_json(conclusion.out / "summary.json", summary);
+  fmt::print("results in {}\n", conclusion.out.string());
   return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
 }
 
@@ -191,27 +229,37 @@ ExitCode run_kidnapped(RelocalisationOptions options, const std::string& command
     throw UsageError("--last-frame lies before --first-frame");
   }
   make_folder(options.out);
+  PartialResult part = make_partial("relocalisation",
+                                    {{"trials_of", "hall"},
+                                     {"seed", options.kidnap.seed},
+                                     {"trials", options.kidnap.trials},
+                                     {"lengths", options.kidnap.lengths},
+                                     {"first_frame", options.kidnap.first_frame},
+                                     {"last_frame", options.kidnap.last_frame}},
+                                    options.shard);
   const bool terminal = isatty(STDERR_FILENO) != 0;
-  const std::vector<KidnapTrial> trials =
-      run_kidnap_trials(options.kidnap, [terminal](int done, int total) {
-        if (!terminal || done % 10 != 0) return;
-        fmt::print(stderr, "\rframe {} of {}", done, total);
-        std::fflush(stderr);
-      });
+  add_pieces(run_kidnap_trials(options.kidnap, options.shard,
+                               [terminal](int done, int total) {
+                                 if (!terminal || done % 10 != 0) return;
+                                 fmt::print(stderr, "\rframe {} of {}", done, total);
+                                 std::fflush(stderr);
+                               }),
+             part);
   if (terminal) fmt::print(stderr, "\r{:40}\r", "");
-  write_trials(options.out, trials);
-  const BuildInfo build = build_info();
-  nlohmann::json summary = {{"command", command_line},
-                            {"seed", options.kidnap.seed},
-                            {"version", build.version},
-                            {"compiler", build.compiler},
-                            {"kidnapped", nlohmann::json::array()}};
+  return conclude_or_leave(part, {options.out, command_line}, conclude_relocalisation);
+}
+
+ExitCode conclude_kidnapped(const PartialResult& whole, const Conclusion& conclusion) {
+  const auto trials = trials_of<KidnapTrial>(whole);
+  write_trials(conclusion.out, trials);
+  nlohmann::json summary = summary_of(whole, conclusion);
+  summary["kidnapped"] = nlohmann::json::array();
   bool holds = true;
   fmt::print("{:<12} {:>6} {:>7} {:>14} {:>6} {:>14} {:>11} {:>14} {:>11}\n", "kind", "blind",
              "trials", "back in 2 s", "false", "overconfident", "by library", "median frames",
              "worst m");
   for (const KidnapKind kind : {KidnapKind::kBlack, KidnapKind::kOtherPlace}) {
-    for (const int length : options.kidnap.lengths) {
+    for (const int length : whole.settings.at("lengths").get<std::vector<int>>()) {
       const nlohmann::json row = summarise(trials, kind, length);
       const int count = row["trials"];
       holds = holds && row["false_recoveries"] == 0 &&
@@ -225,12 +273,17 @@ ExitCode run_kidnapped(RelocalisationOptions options, const std::string& command
     }
   }
   summary["holds"] = holds;
-  write_json(options.out / "summary.json", summary);
-  fmt::print("results in {}\n", options.out.string());
+  write_json(conclusion.out / "summary.json", summary);
+  fmt::print("results in {}\n", conclusion.out.string());
   return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
 }
 
 }  // namespace
+
+ExitCode conclude_relocalisation(const PartialResult& whole, const Conclusion& conclusion) {
+  return whole.settings.at("trials_of") == "cut" ? conclude_cut(whole, conclusion)
+                                                 : conclude_kidnapped(whole, conclusion);
+}
 
 void register_relocalisation_command(CommandContext& context) {
   auto options = std::make_shared<RelocalisationOptions>();
@@ -255,6 +308,7 @@ void register_relocalisation_command(CommandContext& context) {
   command->add_option("--filter", options->cut.filter, "Hand-held estimator")
       ->check(CLI::IsMember({"window", "mono"}))
       ->capture_default_str();
+  add_shard_option(*command, options->shard);
   command->add_option("--out", options->out, "Folder of the results")->required();
   command->callback([options, &context] {
     context.exit_code = options->source.empty() ? run_kidnapped(*options, context.command_line)

@@ -49,38 +49,48 @@ void show_progress(int done, int total) {
   std::fflush(stderr);
 }
 
-void write(const std::filesystem::path& folder, const Arguments& arguments,
-           const RobustnessSettings& settings, const std::vector<RobustnessResult>& results,
-           const std::string& table) {
-  make_folder(folder);
-  nlohmann::json summary = to_json(results, settings);
-  const BuildInfo build = build_info();
-  summary["command"] = arguments.run.command_line;
-  summary["version"] = build.version;
-  summary["compiler"] = build.compiler;
-  write_windows(folder / "windows.csv", results);
-  write_json(folder / "robustness.json", summary);
-  write_text(folder / "robustness.md", table);
+/// What the figures depend on beside the recordings.
+nlohmann::json settings_json(const Arguments& arguments, const RobustnessSettings& settings) {
+  return {{"sources", arguments.sources},
+          {"window_frames", settings.window_frames},
+          {"step_frames", settings.step_frames},
+          {"seeds", settings.seeds},
+          {"filter", settings.filter},
+          {"playback", arguments.directions},
+          {"every", arguments.every},
+          {"max_ate_m", settings.max_ate_m},
+          {"max_rotation_deg", settings.max_rotation_deg}};
+}
+
+/// Windows are numbered through all sources.
+void add_pieces(const RobustnessResult& result, int source, int first, PartialResult& part) {
+  for (const WindowResult& window : result.windows) {
+    part.pieces[first + window.number] = {
+        {"source", source}, {"truth", result.truth}, {"window", whole_window(window)}};
+  }
 }
 
 ExitCode run(const Arguments& arguments) {
   const RobustnessSettings settings = settings_of(arguments);
-  std::vector<RobustnessResult> results;
+  PartialResult part =
+      make_partial("robustness", settings_json(arguments, settings), settings.shard);
   ExitCode worst = ExitCode::kOk;
-  for (const std::string& source : arguments.sources) {
+  int first = 0;
+  for (std::size_t i = 0; i < arguments.sources.size(); ++i) {
     RunOptions options = arguments.run;
-    options.source = source;
+    options.source = arguments.sources[i];
     options.use_source = [&](FrameSource& opened) {
-      const std::vector<Frame> frames = read_frames(opened);
-      results.push_back(measure_robustness(source, opened.info(), frames, settings, show_progress));
+      const RobustnessResult result = measure_robustness(
+          options.source, opened.info(), read_frames(opened), settings, show_progress);
+      add_pieces(result, static_cast<int>(i), first, part);
+      first += result.windows_of_all_shards;
     };
     const ExitCode result = dispatch_run(options);
     if (result != ExitCode::kOk) worst = result;
   }
-  const std::string table = robustness_table(results);
-  write(arguments.run.out, arguments, settings, results, table);
-  fmt::print("{}results in {}\n", table, arguments.run.out.string());
-  return worst;
+  const Conclusion conclusion{arguments.run.out, arguments.run.command_line};
+  const ExitCode concluded = conclude_or_leave(part, conclusion, conclude_robustness);
+  return worst == ExitCode::kOk ? concluded : worst;
 }
 
 void add_options(CLI::App& command, Arguments& arguments) {
@@ -124,11 +134,42 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--threads", arguments.settings.threads, "Threads, 0: all")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
+  add_shard_option(command, arguments.settings.shard);
   add_range_options(command, arguments.run);
   add_picture_options(command, arguments.run);
 }
 
 }  // namespace
+
+ExitCode conclude_robustness(const PartialResult& whole, const Conclusion& conclusion) {
+  const nlohmann::json& from = whole.settings;
+  RobustnessSettings settings;
+  from.at("window_frames").get_to(settings.window_frames);
+  from.at("step_frames").get_to(settings.step_frames);
+  from.at("seeds").get_to(settings.seeds);
+  from.at("filter").get_to(settings.filter);
+  from.at("max_ate_m").get_to(settings.max_ate_m);
+  from.at("max_rotation_deg").get_to(settings.max_rotation_deg);
+  std::vector<RobustnessResult> results(from.at("sources").size());
+  for (std::size_t i = 0; i < results.size(); ++i) from.at("sources")[i].get_to(results[i].source);
+  for (const auto& [number, piece] : whole.pieces) {
+    RobustnessResult& result = results.at(piece.at("source").get<std::size_t>());
+    piece.at("truth").get_to(result.truth);
+    result.windows.push_back(read_window(piece.at("window")));
+  }
+  const std::string table = robustness_table(results);
+  make_folder(conclusion.out);
+  nlohmann::json summary = to_json(results, settings);
+  const BuildInfo build = build_info();
+  summary["command"] = conclusion.command_line;
+  summary["version"] = build.version;
+  summary["compiler"] = build.compiler;
+  write_windows(conclusion.out / "windows.csv", results);
+  write_json(conclusion.out / "robustness.json", summary);
+  write_text(conclusion.out / "robustness.md", table);
+  fmt::print("{}results in {}\n", table, conclusion.out.string());
+  return ExitCode::kOk;
+}
 
 void register_robustness_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(

@@ -21,48 +21,57 @@ struct Arguments {
   RunOptions run;
   TimingOptions timing;
   bool worst_case = false;
+  Shard shard;
 };
 
 nlohmann::json read_json(const std::filesystem::path& path) {
   return nlohmann::json::parse(std::ifstream(path));
 }
 
+/// A row of the table of worst cases.
+nlohmann::json time_worst_case(const Arguments& arguments, const NamedStressScene& scene,
+                               bool handheld, ExitCode& worst) {
+  const char* mode = handheld ? "handheld" : "vehicle";
+  RunOptions options = arguments.run;
+  options.source = fmt::format("stress:{}{}", scene.name, handheld ? ",handheld=1" : "");
+  options.out = arguments.run.out / fmt::format("{}-{}", scene.name, mode);
+  options.mode.clear();
+  fmt::print("{} ({}): {}\n", scene.name, mode, scene.what);
+  const ExitCode result = dispatch_run(options);
+  if (result != ExitCode::kOk) worst = result;
+  const nlohmann::json summary = read_json(options.out / "timing.json");
+  return {{"scene", scene.name},
+          {"mode", mode},
+          {"ms", summary["latency_ms"]["cpu"]},
+          {"instructions", summary["instructions"]}};
+}
+
 /// Every named stress scene, in both modes.
 ExitCode time_worst_cases(const Arguments& arguments) {
   ExitCode worst = ExitCode::kOk;
-  std::string table =
-      "| scene | mode | p50, ms | p99, ms | max, ms | instructions, median | worst |\n"
-      "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
+  PartialResult part = make_partial(
+      "timing", {{"counted_frames", arguments.timing.counted_frames}, {"seed", arguments.run.seed}},
+      arguments.shard);
+  std::size_t number = 0;
   for (const NamedStressScene& scene : named_stress_scenes()) {
-    for (const char* mode : {"vehicle", "handheld"}) {
-      const bool handheld = mode[0] == 'h';
-      RunOptions options = arguments.run;
-      options.source = fmt::format("stress:{}{}", scene.name, handheld ? ",handheld=1" : "");
-      options.out = arguments.run.out / fmt::format("{}-{}", scene.name, mode);
-      options.mode.clear();
-      fmt::print("{} ({}): {}\n", scene.name, mode, scene.what);
-      const ExitCode result = dispatch_run(options);
-      if (result != ExitCode::kOk) worst = result;
-      const nlohmann::json summary = read_json(options.out / "timing.json");
-      const nlohmann::json& ms = summary["latency_ms"]["cpu"];
-      const nlohmann::json& counts = summary["instructions"];
-      const auto millions = [&counts](const char* key) {
-        return counts.is_null() ? std::string("-")
-                                : fmt::format("{:.3f} M", counts[key].get<double>() * 1e-6);
-      };
-      table += fmt::format("| {} | {} | {:.3f} | {:.3f} | {:.3f} | {} | {} |\n", scene.name, mode,
-                           ms["p50"].get<double>(), ms["p99"].get<double>(),
-                           ms["max"].get<double>(), millions("median"), millions("worst"));
+    for (const bool handheld : {false, true}) {
+      if (arguments.shard.has(number)) {
+        part.pieces[static_cast<int>(number)] = time_worst_case(arguments, scene, handheld, worst);
+      }
+      ++number;
     }
   }
-  write_text(arguments.run.out / "timing.md", table);
-  fmt::print("\n{}", table);
-  return worst;
+  const Conclusion conclusion{arguments.run.out, arguments.run.command_line};
+  const ExitCode concluded = conclude_or_leave(part, conclusion, conclude_timing);
+  return worst == ExitCode::kOk ? concluded : worst;
 }
 
 ExitCode run(Arguments& arguments) {
   if (arguments.worst_case && !arguments.run.source.empty()) {
     throw UsageError("--worst-case has sources of its own: give no SOURCE");
+  }
+  if (!arguments.worst_case && !arguments.shard.whole()) {
+    throw UsageError("--shard goes with --worst-case alone: a single run has no parts");
   }
   if (arguments.run.source.empty()) arguments.run.source = "hall";
   arguments.run.video = false;
@@ -71,6 +80,27 @@ ExitCode run(Arguments& arguments) {
 }
 
 }  // namespace
+
+ExitCode conclude_timing(const PartialResult& whole, const Conclusion& conclusion) {
+  std::string table =
+      "| scene | mode | p50, ms | p99, ms | max, ms | instructions, median | worst |\n"
+      "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n";
+  for (const auto& [number, row] : whole.pieces) {
+    const nlohmann::json& ms = row.at("ms");
+    const nlohmann::json& counts = row.at("instructions");
+    const auto millions = [&counts](const char* key) {
+      return counts.is_null() ? std::string("-")
+                              : fmt::format("{:.3f} M", counts.at(key).get<double>() * 1e-6);
+    };
+    table += fmt::format("| {} | {} | {:.3f} | {:.3f} | {:.3f} | {} | {} |\n",
+                         row.at("scene").get<std::string>(), row.at("mode").get<std::string>(),
+                         ms.at("p50").get<double>(), ms.at("p99").get<double>(),
+                         ms.at("max").get<double>(), millions("median"), millions("worst"));
+  }
+  write_text(conclusion.out / "timing.md", table);
+  fmt::print("\n{}", table);
+  return ExitCode::kOk;
+}
 
 void register_timing_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(
@@ -81,6 +111,7 @@ void register_timing_command(CommandContext& context) {
   command->add_option("--out", run_options.out, "Folder for the results")->required();
   command->add_flag("--worst-case", arguments->worst_case,
                     "Instead of a source, every stress scene");
+  add_shard_option(*command, arguments->shard);
   command->add_option("--mode", run_options.mode, "How the camera moves")
       ->check(CLI::IsMember({"vehicle", "handheld"}));
   command->add_option("--filter", run_options.filter, "Filter")

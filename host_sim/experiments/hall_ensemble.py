@@ -2,7 +2,7 @@
 """Drives the built-in hall with several filters and seeds and compares their registration error mu: a single run says
 little, because a small change of the input may change its path.
 
-  hall_ensemble.py --out DIR [--seeds 1-10] [--filters group-iekf,lifted-iekf,ekf] [--frames 4774]
+  hall_ensemble.py --out DIR [--seeds 1-10] [--filters group-iekf,lifted-iekf,ekf] [--frames 4774] [--shard I/N]
 
 Writes DIR/table.md (a row per seed, and what the filters differ by) and, where matplotlib is installed,
 DIR/registration.png: mu over the frames of the first seed, as in the paper's Fig. 6, and of all seeds. Runs that
@@ -15,6 +15,8 @@ import statistics
 import subprocess
 import sys
 from pathlib import Path
+
+from shard import add_shard_option, of_shard
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SETTLING_FRAMES = 60  # 2 s
@@ -110,8 +112,12 @@ def main():
                         help="the last one is what the others are compared with")
     parser.add_argument("--frames", type=int, default=4774)
     parser.add_argument("--program", type=Path, default=ROOT / "build/host/bin/cairn_sim")
+    add_shard_option(parser)
     args = parser.parse_args()
-    runs = {(name, seed): run(args, name, seed) for seed in args.seeds for name in args.filters}
+    wanted = of_shard([(name, seed) for seed in args.seeds for name in args.filters], args.shard)
+    runs = {(name, seed): run(args, name, seed) for name, seed in wanted}
+    if args.shard != (1, 1):
+        return
     write_table(args, runs, args.seeds)
     draw(args, runs, args.seeds)
 

@@ -3,7 +3,9 @@
 times first frame 0, 2 and 4 later, or as given) and prints median and worst errors: a single run of a monocular filter
 says little, because a small change of the input may change its path.
 
-  ensemble.py SOURCE --first 150 --out DIR [options of cairn_sim run]
+  handheld_ensemble.py SOURCE --first 150 --out DIR [--shard I/N] [options of cairn_sim run]
+
+Runs that are complete in DIR already are not repeated: use a new folder after a change.
 """
 import argparse
 import itertools
@@ -13,6 +15,8 @@ import subprocess
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from shard import add_shard_option, of_shard
+
 ROOT = Path(__file__).resolve().parent.parent.parent
 
 
@@ -20,7 +24,8 @@ def run(args, rest, score, later):
     out = args.out / f"{score}-{later}"
     command = [args.program, "run", args.source, "--mode", "handheld", "--filter", "mono", "--no-video", "--force", "--out", out,
                "--first-frame", str(args.first + later), "--corner-score", str(score), *rest]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    if not (out / "summary.json").exists():
+        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return json.loads((out / "summary.json").read_text(encoding="utf-8"))
 
 
@@ -33,10 +38,13 @@ def main():
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--program", type=Path, default=ROOT / "build/host/bin/cairn_sim")
     parser.add_argument("--jobs", type=int, default=2)
+    add_shard_option(parser)
     args, rest = parser.parse_known_args()
-    settings = list(itertools.product((20, 25, 30), args.later))
+    settings = of_shard(list(itertools.product((20, 25, 30), args.later)), args.shard)
     with ThreadPoolExecutor(args.jobs) as pool:
         runs = list(pool.map(lambda setting: run(args, rest, *setting), settings))
+    if args.shard != (1, 1):
+        return
     for (score, later), summary in zip(settings, runs):
         trajectory = summary["trajectory"]
         print(f"score {score} first +{later}: ATE {trajectory['ate_rmse_m']} m, "

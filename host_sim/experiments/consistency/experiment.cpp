@@ -88,8 +88,8 @@ void merge_sums(FilterSums& sums, const FilterSums& other) {
 
 std::vector<int> runs_of_shard(const ExperimentConfig& config) {
   std::vector<int> runs;
-  for (int run = config.shard.index - 1; run < config.runs; run += config.shard.count) {
-    runs.push_back(run);
+  for (int run = 0; run < config.runs; ++run) {
+    if (config.shard.has(static_cast<std::size_t>(run))) runs.push_back(run);
   }
   return runs;
 }

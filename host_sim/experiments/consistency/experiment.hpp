@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/base/shard.hpp"
 #include "host_sim/experiments/consistency/fixed_sums.hpp"
 #include "host_sim/experiments/consistency/simulation.hpp"
 
 namespace cairn::host {
-
-/// Runs `first, first + stride, ..` below `runs`: one shard of an experiment.
-struct Shard {
-  int index = 1;  ///< from 1
-  int count = 1;
-};
 
 struct ExperimentConfig {
   SimulationConfig simulation;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include <fmt/format.h>
 
@@ -12,7 +11,6 @@
 #include "host_sim/experiments/consistency/draw_consistency.py.hpp"
 #include "host_sim/experiments/consistency/filter.hpp"
 #include "host_sim/experiments/consistency/operation_count.hpp"
-#include "host_sim/io/input_error.hpp"
 #include "host_sim/io/output_file.hpp"
 #include "host_sim/io/python_script.hpp"
 #include "host_sim/reports/run_folder.hpp"
@@ -27,8 +25,6 @@ namespace {
 
 using nlohmann::json;
 namespace fs = std::filesystem;
-
-constexpr int kPartialVersion = 3;
 
 json sums_json(const FixedSums& sums) {
   return {{"sums", sums.raw()}, {"clamped", sums.clamped()}};
@@ -69,12 +65,13 @@ void write_sample(const ExperimentResult& result, const fs::path& path) {
   file.finish();
 }
 
+}  // namespace
+
 json configuration_json(const ExperimentConfig& config) {
   const SimulationConfig& s = config.simulation;
   return {{"runs", config.runs},
           {"seed", config.seed},
           {"filters", config.filters},
-          {"shard_count", config.shard.count},
           {"landmarks", s.landmarks},
           {"loops", s.loops},
           {"speed_sigma_mps", s.speed_sigma_mps},
@@ -86,10 +83,8 @@ json configuration_json(const ExperimentConfig& config) {
           {"heading_variance_rad2", s.heading_variance_rad2}};
 }
 
-void write_partial(const ExperimentResult& result, const fs::path& path) {
+json sums_of(const ExperimentResult& result) {
   json document;
-  document["version"] = kPartialVersion;
-  document["configuration"] = configuration_json(result.config);
   document["runs_done"] = result.runs_done;
   document["shards_done"] = result.shards_done;
   for (const auto& sums : result.filters) {
@@ -112,8 +107,10 @@ void write_partial(const ExperimentResult& result, const fs::path& path) {
     }
     document["sample"].push_back({{"filter", sample.filter}, {"positions", poses}});
   }
-  write_text(path, document.dump() + '\n');
+  return document;
 }
+
+namespace {
 
 void read_sums(const json& from, FixedSums& sums) {
   const auto raw = from.at("sums").get<std::vector<std::int64_t>>();
@@ -124,17 +121,14 @@ void read_sums(const json& from, FixedSums& sums) {
   sums.set_raw(raw, from.at("clamped").get<std::int64_t>());
 }
 
-ExperimentResult parse_partial(const json& document) {
+}  // namespace
+
+ExperimentResult read_sums(const json& c, const json& document) {
   ExperimentResult result;
-  if (document.at("version").get<int>() != kPartialVersion) {
-    throw std::invalid_argument(fmt::format("version {} was expected", kPartialVersion));
-  }
-  const json& c = document.at("configuration");
   ExperimentConfig& config = result.config;
   c.at("runs").get_to(config.runs);
   c.at("seed").get_to(config.seed);
   c.at("filters").get_to(config.filters);
-  c.at("shard_count").get_to(config.shard.count);
   c.at("landmarks").get_to(config.simulation.landmarks);
   c.at("loops").get_to(config.simulation.loops);
   c.at("speed_sigma_mps").get_to(config.simulation.speed_sigma_mps);
@@ -173,6 +167,8 @@ ExperimentResult parse_partial(const json& document) {
   }
   return result;
 }
+
+namespace {
 
 json optional_number(double value) {
   return std::isfinite(value) ? json(value) : json(nullptr);
@@ -249,19 +245,7 @@ void write_experiment(const ExperimentResult& result, const fs::path& out) {
   make_folder(out);
   write_series(result, out / "consistency.csv");
   write_sample(result, out / "sample.csv");
-  write_partial(result, out / "partial.json");
   write_json(out / "summary.json", experiment_summary(result));
-}
-
-ExperimentResult read_partial(const fs::path& folder) {
-  const fs::path path = folder / "partial.json";
-  std::ifstream file(path);
-  if (!file) throw InputError(path, "cannot be read; expected the output of cairn_sim consistency");
-  try {
-    return parse_partial(json::parse(file));
-  } catch (const std::exception& error) {
-    throw InputError(path, fmt::format("not a result of cairn_sim consistency: {}", error.what()));
-  }
 }
 
 std::optional<std::string> draw_experiment(const fs::path& out) {

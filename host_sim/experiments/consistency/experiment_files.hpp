@@ -10,13 +10,18 @@
 
 namespace cairn::host {
 
-/// Writes what an experiment leaves in `out` (created if missing): consistency.csv, summary.json,
-/// partial.json (the sums, for `cairn_sim merge`) and sample.csv (paths of run 0, for the picture).
-/// consistency.csv and sample.csv are equal to the byte for any number of threads or shards.
+/// Writes what an experiment leaves in `out` (created if missing): consistency.csv, summary.json
+/// and sample.csv (paths of run 0, for the picture). consistency.csv and sample.csv are equal to
+/// the byte for any number of threads or shards.
 void write_experiment(const ExperimentResult& result, const std::filesystem::path& out);
 
-/// Reads `folder`/partial.json. Throws InputError naming the file and the key.
-ExperimentResult read_partial(const std::filesystem::path& folder);
+/// What the shards of one experiment have in common.
+nlohmann::json configuration_json(const ExperimentConfig& config);
+
+/// The sums of a shard, and back with the experiment's configuration. Reading throws where a key is
+/// missing or of another type.
+nlohmann::json sums_of(const ExperimentResult& result);
+ExperimentResult read_sums(const nlohmann::json& configuration, const nlohmann::json& sums);
 
 /// Per filter and loop: mean NEES, percent of steps in the band, errors, times.
 nlohmann::json experiment_summary(const ExperimentResult& result);

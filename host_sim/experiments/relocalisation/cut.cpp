@@ -168,6 +168,7 @@ std::vector<CutTrial> plan(const CutSettings& settings, int frames) {
       }
       for (int i = 0; i < settings.trials; ++i) {
         CutTrial trial;
+        trial.number = static_cast<int>(trials.size());
         trial.kind = kind;
         trial.length = length;
         trial.start = settings.first_start +
@@ -193,6 +194,7 @@ const char* to_string(CutKind kind) {
 }
 
 std::vector<CutTrial> run_cut_trials(FrameSource& source, const CutSettings& settings,
+                                     const Shard& shard,
                                      const std::function<void(int, int)>& progress) {
   Recording recording;
   recording.info = source.info();
@@ -202,6 +204,10 @@ std::vector<CutTrial> run_cut_trials(FrameSource& source, const CutSettings& set
     recording.frames.back().grey = frame.grey.clone();
   }
   std::vector<CutTrial> trials = plan(settings, static_cast<int>(recording.frames.size()));
+  const auto elsewhere_done = [&](const CutTrial& trial) {
+    return !shard.has(static_cast<std::size_t>(trial.number));
+  };
+  trials.erase(std::remove_if(trials.begin(), trials.end(), elsewhere_done), trials.end());
   TrackerOptions options;
   options.mode = Mode::kHandheld;
   options.filter = settings.filter;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/base/shard.hpp"
 #include "host_sim/sources/frame_source.hpp"
 
 namespace cairn::host {
@@ -29,6 +30,7 @@ struct CutSettings {
 };
 
 struct CutTrial {
+  int number = 0;  ///< among all trials, from 0
   CutKind kind = CutKind::kCut;
   int length = 0;
   int start = 0;
@@ -47,9 +49,10 @@ struct CutTrial {
 };
 
 /// Tracks all of `source` with the hand-held tracker, and beside it, from every trial's frame on, a
-/// copy that misses pictures. Deterministic in source and settings. `progress` gets trials done and
-/// their number.
+/// copy that misses pictures. Only the trials of `shard`. Deterministic in source and settings.
+/// `progress` gets trials done and their number.
 std::vector<CutTrial> run_cut_trials(FrameSource& source, const CutSettings& settings,
+                                     const Shard& shard,
                                      const std::function<void(int, int)>& progress);
 
 }  // namespace cairn::host

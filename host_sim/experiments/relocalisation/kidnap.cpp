@@ -1,5 +1,6 @@
 #include "host_sim/experiments/relocalisation/kidnap.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <random>
 
@@ -99,6 +100,7 @@ std::vector<KidnapTrial> plan(const KidnapSettings& settings) {
     for (const int length : settings.lengths) {
       for (int i = 0; i < settings.trials; ++i) {
         KidnapTrial trial;
+        trial.number = static_cast<int>(trials.size());
         trial.kind = kind;
         trial.length = length;
         const auto range =
@@ -117,9 +119,13 @@ const char* to_string(KidnapKind kind) {
   return kind == KidnapKind::kBlack ? "black" : "other place";
 }
 
-std::vector<KidnapTrial> run_kidnap_trials(const KidnapSettings& settings,
+std::vector<KidnapTrial> run_kidnap_trials(const KidnapSettings& settings, const Shard& shard,
                                            const std::function<void(int, int)>& progress) {
-  const std::vector<KidnapTrial> trials = plan(settings);
+  std::vector<KidnapTrial> trials = plan(settings);
+  const auto elsewhere_done = [&](const KidnapTrial& trial) {
+    return !shard.has(static_cast<std::size_t>(trial.number));
+  };
+  trials.erase(std::remove_if(trials.begin(), trials.end(), elsewhere_done), trials.end());
   int end = 0;
   for (const KidnapTrial& t : trials)
     end = std::max(end, t.start + t.length + settings.watched + 1);
@@ -158,6 +164,8 @@ std::vector<KidnapTrial> run_kidnap_trials(const KidnapSettings& settings,
     }
     progress(number + 1, end);
   }
+  std::sort(done.begin(), done.end(),
+            [](const KidnapTrial& a, const KidnapTrial& b) { return a.number < b.number; });
   return done;
 }
 

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/base/shard.hpp"
+
 namespace cairn::host {
 
 /// What the camera shows while it is kidnapped.
@@ -23,6 +25,7 @@ struct KidnapSettings {
 };
 
 struct KidnapTrial {
+  int number = 0;  ///< among all trials, from 0
   KidnapKind kind = KidnapKind::kBlack;
   int length = 0;
   int start = 0;                     ///< frame from which on the picture is wrong
@@ -40,8 +43,9 @@ struct KidnapTrial {
 
 /// Drives the built-in hall once with the group filter, and beside it, from every trial's frame on,
 /// a copy of the tracker whose camera goes black or shows the opposite side of the hall while the
-/// odometry goes on. Deterministic in the settings. `progress` gets frames done and their number.
-std::vector<KidnapTrial> run_kidnap_trials(const KidnapSettings& settings,
+/// odometry goes on. Only the trials of `shard`, sorted by number. Deterministic in the settings;
+/// a trial does not depend on the others. `progress` gets frames done and their number.
+std::vector<KidnapTrial> run_kidnap_trials(const KidnapSettings& settings, const Shard& shard,
                                            const std::function<void(int, int)>& progress);
 
 }  // namespace cairn::host

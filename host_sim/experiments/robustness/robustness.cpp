@@ -20,6 +20,7 @@ constexpr std::size_t kLeastPoses = 10;
 constexpr double kThreeSigmaDof3 = 14.156;  // chi-square, 99.73 %
 
 struct Window {
+  int number = 0;
   Playback playback;
   std::size_t first = 0;  ///< index of its first frame
   std::uint64_t seed = 0;
@@ -32,7 +33,8 @@ std::vector<Window> windows_of(std::size_t frames, const RobustnessSettings& set
     for (std::size_t first = 0; first + length <= frames;
          first += static_cast<std::size_t>(settings.step_frames)) {
       for (int seed = 1; seed <= settings.seeds; ++seed) {
-        windows.push_back({playback, first, static_cast<std::uint64_t>(seed)});
+        windows.push_back(
+            {static_cast<int>(windows.size()), playback, first, static_cast<std::uint64_t>(seed)});
       }
     }
   }
@@ -132,6 +134,7 @@ class Worker {
     static_cast<void>(source->next(frame));
     const RunRecord record = run_frames(*source, frame, *tracker, runner);
     WindowResult result;
+    result.number = window.number;
     result.playback = window.playback;
     result.first_frame = cut.front().number;
     result.frames = static_cast<int>(record.frames.size());
@@ -160,12 +163,17 @@ RobustnessResult measure_robustness(const std::string& name, const SourceInfo& i
                                     const std::vector<Frame>& frames,
                                     const RobustnessSettings& settings,
                                     const std::function<void(int, int)>& progress) {
-  const std::vector<Window> windows = windows_of(frames.size(), settings);
+  std::vector<Window> windows = windows_of(frames.size(), settings);
   if (windows.empty()) {
     throw InputError(name, fmt::format("expected at least {} frames, one window, found {}",
                                        settings.window_frames, frames.size()));
   }
   RobustnessResult result;
+  result.windows_of_all_shards = static_cast<int>(windows.size());
+  const auto of_another_shard = [&](const Window& window) {
+    return !settings.shard.has(static_cast<std::size_t>(window.number));
+  };
+  windows.erase(std::remove_if(windows.begin(), windows.end(), of_another_shard), windows.end());
   result.source = name;
   result.truth = std::any_of(frames.begin(), frames.end(), [](const Frame& frame) {
     return frame.true_T_world_camera.has_value();

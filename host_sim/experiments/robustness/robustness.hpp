@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/base/shard.hpp"
 #include "host_sim/sources/playback_source.hpp"
 
 namespace cairn::host {
@@ -23,10 +24,12 @@ struct RobustnessSettings {
   double max_ate_m = 0.05;        ///< root mean square after Sim(3) alignment
   double max_rotation_deg = 3.5;  ///< root mean square after the best rotation
   int threads = 0;                ///< 0: all; never changes the result
+  Shard shard;
 };
 
 /// One window tracked once.
 struct WindowResult {
+  int number = 0;  ///< among the windows of all shards, from 0
   Playback playback;
   int first_frame = 0;  ///< lowest number of the window's frames
   int frames = 0;       ///< as played
@@ -45,6 +48,7 @@ struct WindowResult {
 struct RobustnessResult {
   std::string source;
   bool truth = false;  ///< some frame's true pose is known; otherwise success is tracking alone
+  int windows_of_all_shards = 0;
   std::vector<WindowResult> windows;
 };
 

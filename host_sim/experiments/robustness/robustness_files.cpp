@@ -176,6 +176,37 @@ nlohmann::json to_json(const std::vector<RobustnessResult>& results,
           {"sets", std::move(sets)}};
 }
 
+nlohmann::json whole_window(const WindowResult& window) {
+  nlohmann::json result = to_json(window);
+  result["number"] = window.number;
+  result["backward"] = window.playback.backward;
+  result["every"] = window.playback.every;
+  return result;
+}
+
+WindowResult read_window(const nlohmann::json& from) {
+  const auto figure = [&](const char* key) {
+    const nlohmann::json& value = from.at(key);
+    return value.is_null() ? std::nullopt : std::optional<double>(value.get<double>());
+  };
+  WindowResult window;
+  from.at("number").get_to(window.number);
+  from.at("backward").get_to(window.playback.backward);
+  from.at("every").get_to(window.playback.every);
+  from.at("first_frame").get_to(window.first_frame);
+  from.at("frames").get_to(window.frames);
+  from.at("seed").get_to(window.seed);
+  from.at("success").get_to(window.success);
+  from.at("silent").get_to(window.silent);
+  from.at("tracked").get_to(window.tracked);
+  from.at("says_tracking").get_to(window.sure);
+  from.at("losses").get_to(window.losses);
+  window.ate_m = figure("ate_rmse_m");
+  window.rotation_deg = figure("rotation_rmse_deg");
+  window.attitude_inside = figure("attitude_in_3_sigma");
+  return window;
+}
+
 void write_windows(const std::filesystem::path& file,
                    const std::vector<RobustnessResult>& results) {
   OutputFile out(file);

@@ -18,6 +18,10 @@ std::string robustness_table(const std::vector<RobustnessResult>& results);
 nlohmann::json to_json(const std::vector<RobustnessResult>& results,
                        const RobustnessSettings& settings);
 
+/// A window with every field, and back; reading throws where one is missing.
+nlohmann::json whole_window(const WindowResult& window);
+WindowResult read_window(const nlohmann::json& window);
+
 /// One line for each window. Throws OutputError where `file` cannot be written.
 void write_windows(const std::filesystem::path& file, const std::vector<RobustnessResult>& results);
 

@@ -181,6 +181,7 @@ std::vector<TurntableCell> run_rendered_turntable(const TurntableConfig& config,
                                                   const std::function<void(int, int)>& progress) {
   std::vector<TurntableCell> cells;
   std::map<VideoKey, std::vector<Job>> jobs;
+  std::size_t number = 0;
   int total = 0;
   for (const TurntableCondition& condition : turntable_conditions(config)) {
     for (const TurntableVariant& variant : turntable_variants(config, condition)) {
@@ -189,6 +190,7 @@ std::vector<TurntableCell> run_rendered_turntable(const TurntableConfig& config,
       for (std::size_t run = 0; run < cell.runs.size(); ++run) {
         Job job{cells.size(), run, condition.scenario, variant};
         job.scenario.seed = config.seed + run;
+        if (!config.shard.has(number++)) continue;
         jobs[job.key()].push_back(job);
         ++total;
       }

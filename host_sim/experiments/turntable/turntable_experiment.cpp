@@ -116,6 +116,7 @@ std::vector<TurntableCell> run_turntable(const TurntableConfig& config,
   };
   std::vector<TurntableCell> cells;
   std::vector<Job> jobs;
+  std::size_t number = 0;
   for (const TurntableCondition& condition : turntable_conditions(config)) {
     for (const TurntableVariant& variant : turntable_variants(config, condition)) {
       TurntableCell cell{condition.name, variant.name, {}};
@@ -123,7 +124,7 @@ std::vector<TurntableCell> run_turntable(const TurntableConfig& config,
       for (std::size_t run = 0; run < cell.runs.size(); ++run) {
         Job job{cells.size(), run, condition.scenario, variant};
         job.scenario.seed = config.seed + run;
-        jobs.push_back(job);
+        if (config.shard.has(number++)) jobs.push_back(job);
       }
       cells.push_back(cell);
     }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "host_sim/base/shard.hpp"
 #include "host_sim/experiments/turntable/points_simulation.hpp"
 
 namespace cairn::host {
@@ -34,6 +35,7 @@ struct TurntableConfig {
   std::string condition;  ///< only conditions with this in their name
   std::uint64_t seed = 1;
   int seeds = 20;
+  Shard shard;  ///< runs are numbered by cell, then seed; those of other shards stay empty
 };
 
 /// On the axis and 8 cm off it: clean, focal length wrong by +3 % and -5 %, noise of 1 px, 25 % and

@@ -253,11 +253,37 @@ cv::Matx33d read_homography(const std::filesystem::path& file) {
 
 }  // namespace
 
-std::vector<QualityResult> measure_matching_quality(const std::filesystem::path& homography_sets) {
+std::map<int, PairQuality> measure_matching_quality(const std::filesystem::path& homography_sets,
+                                                    const Shard& shard) {
+  std::map<int, PairQuality> pairs;
+  int number = 0;
+  const auto add = [&](const auto& make_pair) {
+    if (shard.has(static_cast<std::size_t>(number))) {
+      const Pair pair = make_pair();
+      pairs[number] = {pair.group, evaluate(pair)};
+    }
+    ++number;
+  };
+  const std::filesystem::path graf = homography_sets / "graf";
+  for (const auto& file : {graf / "img1.png", homography_sets / "churchill" / "1.png"}) {
+    const cv::Mat image = read_grey(file);
+    for (const Change& change : kChanges) add([&] { return warped(image, change); });
+  }
+  const cv::Mat first = read_grey(graf / "img1.png");
+  for (const int other : {2, 3, 4}) {
+    add([&] {
+      return Pair{fmt::format("graf 1-{}", other), first,
+                  read_grey(graf / fmt::format("img{}.png", other)),
+                  read_homography(graf / fmt::format("H1to{}p", other))};
+    });
+  }
+  return pairs;
+}
+
+std::vector<QualityResult> mean_quality(const std::vector<PairQuality>& pairs) {
   std::vector<QualityResult> results;
-  const auto add = [&](const Pair& pair) {
-    const std::vector<double> percent = evaluate(pair);
-    for (std::size_t i = 0; i < percent.size(); ++i) {
+  for (const PairQuality& pair : pairs) {
+    for (std::size_t i = 0; i < pair.percent.size(); ++i) {
       const auto same = [&](const QualityResult& r) {
         return r.method == kMethods[i].name && r.group == pair.group;
       };
@@ -267,19 +293,9 @@ std::vector<QualityResult> measure_matching_quality(const std::filesystem::path&
         found = results.end() - 1;
       }
       found->correct_percent =
-          (found->correct_percent * found->pairs + percent[i]) / (found->pairs + 1);
+          (found->correct_percent * found->pairs + pair.percent[i]) / (found->pairs + 1);
       ++found->pairs;
     }
-  };
-  const std::filesystem::path graf = homography_sets / "graf";
-  for (const auto& file : {graf / "img1.png", homography_sets / "churchill" / "1.png"}) {
-    const cv::Mat image = read_grey(file);
-    for (const Change& change : kChanges) add(warped(image, change));
-  }
-  const cv::Mat first = read_grey(graf / "img1.png");
-  for (const int other : {2, 3, 4}) {
-    add({fmt::format("graf 1-{}", other), first, read_grey(graf / fmt::format("img{}.png", other)),
-         read_homography(graf / fmt::format("H1to{}p", other))});
   }
   return results;
 }

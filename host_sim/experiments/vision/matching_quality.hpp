@@ -1,10 +1,19 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "host_sim/base/shard.hpp"
+
 namespace cairn::host {
+
+/// One pair of images.
+struct PairQuality {
+  std::string group;            ///< kind of change between the two
+  std::vector<double> percent;  ///< right, of each method
+};
 
 struct QualityResult {
   std::string method;
@@ -20,8 +29,13 @@ struct QualityResult {
 ///
 /// Pairs: synthetic warps of the first image of each set (rotation, scale, blur, noise,
 /// perspective) and the recorded pairs of graf, with their homographies. `homography_sets` holds
-/// graf/ and churchill/ as published. Throws InputError. Deterministic.
-std::vector<QualityResult> measure_matching_quality(const std::filesystem::path& homography_sets);
+/// graf/ and churchill/ as published. Only the pairs of `shard`, by number. Throws InputError.
+/// Deterministic.
+std::map<int, PairQuality> measure_matching_quality(const std::filesystem::path& homography_sets,
+                                                    const Shard& shard);
+
+/// Means over the pairs of each group.
+std::vector<QualityResult> mean_quality(const std::vector<PairQuality>& pairs);
 
 /// Columns method,group,correct_percent,pairs.
 void write_quality(const std::vector<QualityResult>& results, const std::filesystem::path& file);
