@@ -193,5 +193,21 @@ TEST_F(ActiveSearch, StaysInsideItsBoundsWhereverThePredictionLies) {
   }
 }
 
+TEST_F(ActiveSearch, FindsWhatHasNoDescriptorByItsPatch) {
+  ASSERT_GT(count_, 0);
+  ASSERT_TRUE(prepare(corners_[0], 2.0));
+  appearance_.has_descriptor = false;
+  for (const SearchMethod method : kMethods) {
+    parameters_.method = method;
+    Vector2<float> pixel;
+    SearchReport report;
+    ASSERT_TRUE(ok(search_landmark(test::view(second_, camera_), prediction_, appearance_, warp_,
+                                   parameters_, scratch_, pixel, report)));
+    EXPECT_EQ(report.descriptors, 0);
+    EXPECT_LT((pixel - truth_.cast<float>()).norm(), 0.5F);
+    EXPECT_LE(report.work, most_search_work(prediction_, appearance_, parameters_));
+  }
+}
+
 }  // namespace
 }  // namespace cairn

@@ -113,5 +113,24 @@ TEST(Steer, DescriptorSurvivesRollAndScale) {
   EXPECT_GT(upright_sum, 1.5 * steered_sum);
 }
 
+/// A picture of 80 rows leaves a descriptor 22 of them, a patch 66.
+TEST(PatchAppearance, NeedsLessOfTheBorderThanADescriptor) {
+  const PinholeCamera<double> camera = test::small_camera();
+  const auto pixels = PlaneScene(2.0).render(camera, Rigid<double>{});
+  const ImageView image = test::view(pixels, camera);
+  const int described = freak_margin(kReferenceScaleIndex);
+  Appearance appearance;
+  ASSERT_TRUE(ok(make_patch_appearance(image, described, 100, Rigid<float>{}, appearance)));
+  EXPECT_TRUE(appearance.has_descriptor);
+  EXPECT_TRUE(ok(make_appearance(image, described, 100, Rigid<float>{}, appearance)));
+  for (const int x : {7, described - 1}) {
+    ASSERT_TRUE(ok(make_patch_appearance(image, x, 100, Rigid<float>{}, appearance))) << x;
+    EXPECT_TRUE(appearance.has_patch);
+    EXPECT_FALSE(appearance.has_descriptor);
+    EXPECT_EQ(make_appearance(image, x, 100, Rigid<float>{}, appearance), Status::kOutOfView);
+  }
+  EXPECT_EQ(make_patch_appearance(image, 6, 100, Rigid<float>{}, appearance), Status::kOutOfView);
+}
+
 }  // namespace
 }  // namespace cairn

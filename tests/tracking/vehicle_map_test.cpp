@@ -108,6 +108,19 @@ TEST_F(MapOfAVehicle, ArchivesAMatureLandmarkOnce) {
   EXPECT_EQ(health_.landmarks_archived, 1U);
 }
 
+/// No place could be recognised by it.
+TEST_F(MapOfAVehicle, DoesNotArchiveWhatHasNoDescriptor) {
+  const LandmarkId id = add(1.0F, 0, 12);
+  TrackedLandmark& landmark = *estimate_->landmarks().find(id);
+  landmark.appearance.has_descriptor = false;
+  auto f = frame();
+  archive_.archive_mature(f, *estimate_, landmark);
+  archive_.archive(f, *estimate_, estimate_->filter().find(id), landmark);
+  EXPECT_EQ(map_->messages.front(), nullptr);
+  EXPECT_FALSE(landmark.stored);
+  EXPECT_EQ(health_.landmarks_archived, 0U);
+}
+
 TEST_F(MapOfAVehicle, CountsMessagesForWhichThereIsNoRoom) {
   auto f = frame();
   for (int k = 0; k < 100; ++k) archive_.report_found(f, 1);

@@ -64,15 +64,22 @@ bool to_patch_warp(const Matrix2<T>& warp, PatchWarp& fixed) {
 
 Status make_appearance(const ImageView& image, int x, int y, const Rigid<float>& T_world_camera,
                        Appearance& appearance) {
-  Descriptor descriptor;
+  const int margin = freak_margin(kReferenceScaleIndex);
+  const bool fits =
+      x >= margin && y >= margin && x <= image.width - margin && y <= image.height - margin;
+  if (!fits) return Status::kOutOfView;
+  return make_patch_appearance(image, x, y, T_world_camera, appearance);
+}
+
+Status make_patch_appearance(const ImageView& image, int x, int y,
+                             const Rigid<float>& T_world_camera, Appearance& appearance) {
   Patch patch;
+  const Status status = extract_patch(image, x * 256, y * 256, patch);
+  if (!ok(status)) return status;
   FreakPose pose;
   pose.scale_index = kReferenceScaleIndex;
-  Status status = describe_freak(image, x, y, pose, descriptor);
-  if (!ok(status)) return status;
-  status = extract_patch(image, x * 256, y * 256, patch);
-  if (!ok(status)) return status;
-  appearance.descriptor = descriptor;
+  appearance.descriptor = Descriptor{};
+  appearance.has_descriptor = ok(describe_freak(image, x, y, pose, appearance.descriptor));
   appearance.patch = patch;
   appearance.T_world_reference = T_world_camera;
   appearance.scale_index = kReferenceScaleIndex;

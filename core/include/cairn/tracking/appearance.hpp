@@ -16,8 +16,9 @@ struct Appearance {
   Patch patch;
   Rigid<float> T_world_reference;  ///< camera pose of the reference view
   std::uint8_t scale_index =
-      0;                  ///< FREAK scale of the reference; its orientation bin is 0 (upright)
-  bool has_patch = true;  ///< false: only a descriptor, as of a library landmark
+      0;                       ///< FREAK scale of the reference; its orientation bin is 0 (upright)
+  bool has_patch = true;       ///< false: only a descriptor, as of a library landmark
+  bool has_descriptor = true;  ///< false: only a patch, of a point near the image border
 };
 
 /// FREAK scale of reference views: room to shrink by 2^(4/16) before the finest pattern is reached.
@@ -47,5 +48,10 @@ bool to_patch_warp(const Matrix2<T>& warp, PatchWarp& fixed);
 /// Takes the reference view of the corner at integer pixel (x, y). kOutOfView near the border.
 Status make_appearance(const ImageView& image, int x, int y, const Rigid<float>& T_world_camera,
                        Appearance& appearance);
+
+/// The same, but where the border is too near for a descriptor alone, without one: a patch needs 7
+/// pixels around the corner, a descriptor four times as many. kOutOfView nearer than that.
+Status make_patch_appearance(const ImageView& image, int x, int y,
+                             const Rigid<float>& T_world_camera, Appearance& appearance);
 
 }  // namespace cairn

@@ -116,7 +116,8 @@ Status SeedPool<MaxSeeds, MaxKeyframes>::add(const ImageView& image,
   if (slot < 0) return Status::kNotFound;
   if (seeds_.full()) return Status::kFull;
   Seed seed;
-  const Status status = make_appearance(image, x, y, odometry_.T_pool_camera(), seed.appearance);
+  const Status status =
+      make_patch_appearance(image, x, y, odometry_.T_pool_camera(), seed.appearance);
   if (!ok(status)) return status;
   seed.pixel = Vector2<float>(static_cast<float>(x), static_cast<float>(y));
   seed.first_ray = camera.unproject(seed.pixel);

@@ -61,11 +61,13 @@ class VehicleArchive {
   /// The vehicle's pose in the map.
   PlanarPose<float> pose_in_map(const Estimate& estimate) const;
 
-  /// Sends the landmark in the filter's `slot` to the map builder.
+  /// Sends the landmark in the filter's `slot` to the map builder; one without a descriptor, by
+  /// which a place is recognised, is not sent.
   void archive(Frame& frame, const Estimate& estimate, int slot, const TrackedLandmark& landmark);
   /// The same for a landmark that has become mature, once.
   void archive_mature(Frame& frame, const Estimate& estimate, TrackedLandmark& landmark) {
     if (landmark.stored || landmark.measured < parameters_.mature_sightings) return;
+    if (!landmark.appearance.has_descriptor) return;
     archive(frame, estimate, estimate.filter().find(landmark.id), landmark);
     landmark.stored = true;
   }
@@ -114,6 +116,7 @@ void VehicleArchive<Config, Filter>::send(Frame& frame, typename Message::Kind k
 template <class Config, class Filter>
 void VehicleArchive<Config, Filter>::archive(Frame& frame, const Estimate& estimate, int slot,
                                              const TrackedLandmark& landmark) {
+  if (!landmark.appearance.has_descriptor) return;
   const Filter& filter = estimate.filter();
   const Rigid<float> T_map_world = T_world_map(filter).inverse();
   const Matrix3<float> R = T_map_world.rotation.toRotationMatrix();
