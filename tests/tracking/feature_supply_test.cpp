@@ -195,5 +195,14 @@ TEST_F(SupplyOfFeatures, IgnoresPlacesOutsideTheImage) {
   EXPECT_EQ(find(8).size(), 8U);
 }
 
+TEST_F(SupplyOfFeatures, ProposesNothingInCellsThatAreLeftBehind) {
+  put_dot_in_every_cell();
+  supply_.close_cells([](const Vector2<float>& middle) { return middle.x() >= 100.0F; });
+  std::set<int> columns;
+  parameters_.cells_per_frame = Supply::kCells;
+  for (const Corner& corner : find(Supply::kCells)) columns.insert(corner.x / kCell);
+  EXPECT_EQ(columns, (std::set<int>{0, 1})) << "the middles of the third column lie at 100";
+}
+
 }  // namespace
 }  // namespace cairn

@@ -72,5 +72,59 @@ TEST_F(SeedsInMotion, ExpectFartherPointsFromAFastVehicle) {
   EXPECT_FLOAT_EQ(seeds().max_depth_m, 60.0F);
 }
 
+PinholeCamera<float> wide_camera() {
+  PinholeCamera<float> camera;
+  camera.fx = camera.fy = 100.0F;
+  camera.cx = camera.cy = 99.5F;
+  camera.width = camera.height = 200;
+  return camera;
+}
+
+/// Looking ahead, what lies at the border is passed first.
+TEST_F(SeedsInMotion, LeaveAtTheBorderWhereTheCameraLooksAhead) {
+  motion_.speed_mps = 10.0F;
+  const PinholeCamera<float> camera = wide_camera();
+  const SeedParameters later = seeds();
+  ASSERT_EQ(later.min_views, 3) << "2 m to go at 12 m of depth: 6/5 of the distance to the middle";
+  const auto stays = [&](float u, float v) {
+    return stays_in_view({u, v}, camera, estimate_.mount, later, motion_);
+  };
+  EXPECT_TRUE(stays(100.0F, 100.0F));
+  EXPECT_TRUE(stays(175.0F, 100.0F));
+  EXPECT_FALSE(stays(180.0F, 100.0F));
+  EXPECT_FALSE(stays(100.0F, 20.0F));
+  motion_.speed_mps = 0.0F;
+  EXPECT_TRUE(stays(180.0F, 100.0F));
+}
+
+/// Looking to the left, on the side where the picture ends: what lies behind leaves, what lies
+/// ahead comes nearer. A turn moves all of the picture.
+TEST_F(SeedsInMotion, LeaveBehindWhereTheCameraLooksAside) {
+  look_left();
+  motion_.speed_mps = 10.0F;
+  const PinholeCamera<float> camera = wide_camera();
+  const SeedParameters later = seeds();
+  const auto stays = [&](float u) {
+    return stays_in_view({u, 100.0F}, camera, estimate_.mount, later, motion_);
+  };
+  EXPECT_FALSE(stays(15.0F)) << "16.7 px of flow";
+  EXPECT_TRUE(stays(25.0F));
+  EXPECT_TRUE(stays(190.0F));
+  motion_.turn_rad = 0.1F;
+  EXPECT_TRUE(stays(15.0F)) << "to the left, towards it, by 20 px";
+  EXPECT_FALSE(stays(190.0F));
+}
+
+TEST_F(SeedsInMotion, ExpectTheCameraOnTheArc) {
+  motion_.turn_rad = 0.05F;
+  const Rigid<float> later = camera_after(motion_, 2, estimate_.mount);
+  const Vector3<float> moved = estimate_.mount.rotation * later.translation;
+  EXPECT_NEAR(moved.x(), 0.2F * 0.99875F, 1e-5F);
+  EXPECT_NEAR(moved.y(), 0.2F * 0.04998F, 1e-5F);
+  const Vector3<float> forward =
+      estimate_.mount.rotation * (later.rotation * Vector3<float>::UnitZ());
+  EXPECT_NEAR(forward.y(), 0.09983F, 1e-5F);
+}
+
 }  // namespace
 }  // namespace cairn

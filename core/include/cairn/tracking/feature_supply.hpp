@@ -29,7 +29,7 @@ class FeatureSupply {
     int lowest_threshold = 6;          ///< of a picture with few corners
     int few_points = 12;               ///< known or found in a picture: fewer lower the threshold
     int cells_per_frame = 12;          ///< searched at most
-    int min_margin_px = 29;            ///< to the image border: what a descriptor needs
+    int min_margin_px = 29;            ///< to the image border: what a descriptor needs; a patch: 8
     float margin_share = 0.084F;       ///< same, of the image height
     float min_distance_share = 0.03F;  ///< to the nearest known landmark, of the image height
 
@@ -67,6 +67,18 @@ class FeatureSupply {
     if (cell < 0) return;
     ++counts_[cell];
     occupied_.push_back(place);
+  }
+
+  /// Proposes nothing in cells of whose middle, a pixel, `leaves` says that points there leave the
+  /// picture too soon.
+  template <class Leaves>
+  void close_cells(const Leaves& leaves) {
+    for (int cell = 0; cell < kCells; ++cell) {
+      const Vector2<float> place(static_cast<float>(cell % kColumns) + 0.5F,
+                                 static_cast<float>(cell / kColumns) + 0.5F);
+      const Vector2<float> size(static_cast<float>(cell_width_), static_cast<float>(cell_height_));
+      if (leaves(Vector2<float>(place.cwiseProduct(size)))) ++counts_[cell];
+    }
   }
 
   /// Up to `wanted` corners of empty cells into `corners`, as far as `budget` goes; returns how

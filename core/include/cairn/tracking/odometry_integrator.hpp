@@ -84,6 +84,8 @@ class OdometryIntegrator {
   /// the scale is theirs to tell, and doubted for as long again.
   bool contradicted() const { return contradicted_ || doubted_s_ > 0.0F; }
   float speed_mps() const { return motion_.speed_mps; }
+  /// Yaw that the motion held makes of a time, rad.
+  float turn_over(float step_s) const { return motion_over(motion_, step_s).yaw_rad; }
   /// The pose by odometry alone at the filter's time, from any start: what images corrected is not
   /// in it.
   PlanarPose<float> path() const;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "cairn/geometry/camera.hpp"
+#include "cairn/geometry/rigid.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/tracking/seed.hpp"
 
@@ -11,7 +13,35 @@ struct VehicleMotion {
   float step_s = 0.0F;        ///< since the frame before
   float yaw_variance = 0.0F;  ///< of odometry's yaw increment since then, rad^2
   bool tracked = false;       ///< the filter corrects the yaw: it is better known than that
+  float turn_rad = 0.0F;      ///< that odometry expects of a step
 };
+
+/// Where the camera will be `steps` such steps from now, seen from where it is.
+inline Rigid<float> camera_after(const VehicleMotion& motion, int steps,
+                                 const Rigid<float>& T_vehicle_camera) {
+  const auto count = static_cast<float>(steps);
+  const float yaw = count * motion.turn_rad;
+  float sine = 0.0F;
+  float cosine = 0.0F;
+  sin_cos(0.5F * yaw, sine, cosine);
+  const float ahead = count * motion.speed_mps * motion.step_s;
+  const Rigid<float> T_now_later = {rotation_exp(Vector3<float>(0.0F, 0.0F, yaw)),
+                                    Vector3<float>(ahead * cosine, ahead * sine, 0.0F)};
+  return T_vehicle_camera.inverse() * (T_now_later * T_vehicle_camera);
+}
+
+/// Whether a point at `pixel`, at the depth that seeds begin with, is still in view when its depth
+/// can be known. A seed that is not is in vain, and takes the place of one that stays.
+inline bool stays_in_view(const Vector2<float>& pixel, const PinholeCamera<float>& camera,
+                          const Rigid<float>& T_vehicle_camera, const SeedParameters& seeds,
+                          const VehicleMotion& motion) {
+  constexpr float kPatch_px = 6.0F;
+  const Rigid<float> T_now_later = camera_after(motion, seeds.min_views - 1, T_vehicle_camera);
+  const Vector3<float> p_now = seeds.initial_depth_m * camera.unproject(pixel);
+  Vector2<float> later;
+  return ok(camera.project(T_now_later.inverse() * p_now, later)) &&
+         camera.contains(later, kPatch_px);
+}
 
 /// Error of the estimate's rotation since the frame before, rad per square root of second.
 struct SeedNoise {

@@ -88,7 +88,8 @@ class VehicleLocalMap {
   static constexpr float kMinBaseline_m = 1e-3F;
 
   bool keyframe_is_due() const;
-  void begin_seeds(Frame& frame, Estimate& estimate, const SeedParameters& seeds);
+  void begin_seeds(Frame& frame, Estimate& estimate, const SeedParameters& seeds,
+                   const VehicleMotion& motion);
   int occupy_view(const Estimate& estimate);
   void add_landmarks(Frame& frame, Estimate& estimate, const SeedParameters& seeds);
   bool add_landmark(Frame& frame, Estimate& estimate, const ConvergedSeed& seed);
@@ -164,7 +165,7 @@ void VehicleLocalMap<Config, Filter>::follow(Frame& frame, Estimate& estimate,
   end_keyframes(frame, estimate, false);
   since_keyframe_s_ += motion.step_s;
   since_keyframe_m_ += abs(motion.speed_mps) * motion.step_s;
-  if (growing) begin_seeds(frame, estimate, seeds);
+  if (growing) begin_seeds(frame, estimate, seeds, motion);
 }
 
 /// Marks where seeds and landmarks are seen; returns how many.
@@ -191,9 +192,11 @@ bool VehicleLocalMap<Config, Filter>::keyframe_is_due() const {
 
 template <class Config, class Filter>
 void VehicleLocalMap<Config, Filter>::begin_seeds(Frame& frame, Estimate& estimate,
-                                                  const SeedParameters& seeds) {
+                                                  const SeedParameters& seeds,
+                                                  const VehicleMotion& motion) {
   if (seeds_.full()) return;
-  if (!frame.work.take(work::kKeyframe + estimate.projection_work() * estimate.size())) {
+  if (!frame.work.take(work::kKeyframe + work::kCellMotion * Supply::kCells +
+                       estimate.projection_work() * estimate.size())) {
     frame.work.cut_mapping();
     return;
   }
@@ -209,6 +212,9 @@ void VehicleLocalMap<Config, Filter>::begin_seeds(Frame& frame, Estimate& estima
   Corner corners[Supply::kCells];
   typename Supply::Parameters supply = parameters_.supply;
   if (few) supply.cells_per_frame *= 2;
+  supply_.close_cells([&](const Vector2<float>& pixel) {
+    return !stays_in_view(pixel, frame.camera, estimate.T_vehicle_camera(), seeds, motion);
+  });
   const int found = propose_corners(frame, supply_, supply, limit, frame.scratch.supply, corners);
   if (found == 0 || !begin_keyframe(frame, estimate)) return;
   for (int i = 0; i < found && frame.work.take(work::kAppearance); ++i) {

@@ -53,6 +53,7 @@ inline constexpr int kRemoval = 60;  ///< of a landmark, with its archiving
 inline constexpr int kLandmarkInitialisation =
     90;  ///< a seed or a library landmark becomes a landmark
 inline constexpr int kKeyframe = 60;
+inline constexpr int kCellMotion = 2;   ///< a cell's middle a few frames later
 inline constexpr int kLibrarySlot = 3;  ///< projection of a library landmark
 
 /// update_pixels(): `hypotheses` of `candidates`, then `used` measurements of two rows, with

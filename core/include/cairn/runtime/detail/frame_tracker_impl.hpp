@@ -236,7 +236,7 @@ Status FrameTracker<Config, Filter>::relocalise(Frame& frame, const Library& lib
 template <class Config, class Filter>
 VehicleMotion FrameTracker<Config, Filter>::motion() const {
   return {odometry_.speed_mps(), frame_step_s_, odometry_.yaw_variance(),
-          monitor_.state() == TrackingState::kTracking};
+          monitor_.state() == TrackingState::kTracking, odometry_.turn_over(frame_step_s_)};
 }
 
 template <class Config, class Filter>
