@@ -29,7 +29,7 @@ constexpr int kBriefFrames = 260;
 constexpr int kBriefFrom = 90;
 constexpr int kHandheldWorkLimit = 12000;
 
-struct Arguments {
+struct InjectArguments {
   std::vector<std::string> faults;
   bool list = false;
   bool brief = false;
@@ -64,7 +64,7 @@ TrackerOptions tracker_of(const SourceInfo& info, const Frame& first, std::uint6
   return options;
 }
 
-FaultScene scene_of(FrameSource& source, const Arguments& arguments) {
+FaultScene scene_of(FrameSource& source, const InjectArguments& arguments) {
   std::vector<Frame> frames = read_frames(source);
   const SourceInfo& info = source.info();
   FaultSettings settings;
@@ -113,7 +113,7 @@ std::string table_of(const std::vector<FaultOutcome>& outcomes) {
 }
 
 /// A piece for each class of faults that is wanted and of the shard.
-void inject_all(const FaultScene& scene, const Arguments& arguments, PartialResult& part) {
+void inject_all(const FaultScene& scene, const InjectArguments& arguments, PartialResult& part) {
   const std::vector<FaultClass>& classes = fault_classes();
   for (std::size_t i = 0; i < classes.size(); ++i) {
     const bool asked = std::find(arguments.faults.begin(), arguments.faults.end(), classes[i].id) !=
@@ -148,7 +148,7 @@ ExitCode summarise(const std::vector<FaultOutcome>& outcomes) {
   return failed == 0 ? ExitCode::kOk : ExitCode::kCheckFailed;
 }
 
-nlohmann::json settings_json(const RunOptions& options, const Arguments& arguments) {
+nlohmann::json settings_json(const RunOptions& options, const InjectArguments& arguments) {
   return {{"source", options.source},
           {"faults", arguments.faults},
           {"brief", arguments.brief},
@@ -158,7 +158,7 @@ nlohmann::json settings_json(const RunOptions& options, const Arguments& argumen
           {"seed", options.seed}};
 }
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const InjectArguments& arguments) {
   if (arguments.list) {
     list_faults();
     return ExitCode::kOk;
@@ -187,7 +187,7 @@ ExitCode run(const Arguments& arguments) {
   return source_result == ExitCode::kOk ? result : source_result;
 }
 
-void add_options(CLI::App& command, Arguments& arguments) {
+void add_options(CLI::App& command, InjectArguments& arguments) {
   arguments.run.source = "hall-small";
   command.add_option("SOURCE", arguments.run.source, "Source with pictures, as for `run`")
       ->capture_default_str();
@@ -221,7 +221,7 @@ ExitCode conclude_inject(const PartialResult& whole, const Conclusion& conclusio
 void register_inject_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(
       "inject", "Put faults into a tracker's inputs and say what becomes of them");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<InjectArguments>();
   add_options(*command, *arguments);
   command->callback([&context, command, arguments] {
     arguments->run.command_line = context.command_line;

@@ -25,7 +25,7 @@ constexpr double kMostNees = 10.0;
 constexpr double kMostGrowth_mb = 2.0;  // after the second lap
 constexpr std::size_t kSettled = 2;     // laps until every buffer has its size
 
-struct Arguments {
+struct LapsArguments {
   int laps = 50;
   int width = 320;
   std::uint64_t seed = 1;
@@ -45,7 +45,7 @@ TrackerOptions tracker_at_start(const Frame& first, std::uint64_t seed) {
   return options;
 }
 
-HallOptions hall_of(const Arguments& arguments, std::uint64_t seed, int frames) {
+HallOptions hall_of(const LapsArguments& arguments, std::uint64_t seed, int frames) {
   HallOptions hall;
   hall.width = arguments.width;
   hall.seed = seed;
@@ -96,7 +96,7 @@ bool write_laps(const PartialResult& part, const Conclusion& conclusion) {
 }
 
 /// The laps of one seed as a piece of `part`, written as each ends.
-void drive(const Arguments& arguments, int number, const Conclusion& conclusion,
+void drive(const LapsArguments& arguments, int number, const Conclusion& conclusion,
            PartialResult& part) {
   const std::uint64_t seed = arguments.seed + static_cast<std::uint64_t>(number);
   Frame first;
@@ -114,7 +114,7 @@ void drive(const Arguments& arguments, int number, const Conclusion& conclusion,
   part.pieces[number] = run_laps(*source, tracker_at_start(first, seed), note);
 }
 
-ExitCode run(const Arguments& arguments, const std::string& command_line) {
+ExitCode run(const LapsArguments& arguments, const std::string& command_line) {
   make_folder(arguments.out);
   const InterruptionGuard guard;
   PartialResult part = make_partial("laps",
@@ -145,7 +145,7 @@ ExitCode conclude_laps(const PartialResult& whole, const Conclusion& conclusion)
 void register_laps_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(
       "laps", "Drive lap after lap of the hall: error in the map, NEES, memory");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<LapsArguments>();
   command->add_option("--laps", arguments->laps, "Laps of 2,400 frames")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();

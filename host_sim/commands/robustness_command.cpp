@@ -20,7 +20,7 @@
 namespace cairn::host {
 namespace {
 
-struct Arguments {
+struct RobustnessArguments {
   std::vector<std::string> sources;
   std::vector<int> windows;
   std::vector<std::string> directions = {"forward"};
@@ -29,7 +29,7 @@ struct Arguments {
   RunOptions run;
 };
 
-RobustnessSettings settings_of(const Arguments& arguments) {
+RobustnessSettings settings_of(const RobustnessArguments& arguments) {
   RobustnessSettings settings = arguments.settings;
   settings.window_frames = arguments.windows[0];
   settings.step_frames = arguments.windows[1];
@@ -50,7 +50,8 @@ void show_progress(int done, int total) {
 }
 
 /// What the figures depend on beside the recordings.
-nlohmann::json settings_json(const Arguments& arguments, const RobustnessSettings& settings) {
+nlohmann::json settings_json(const RobustnessArguments& arguments,
+                             const RobustnessSettings& settings) {
   return {{"sources", arguments.sources},
           {"window_frames", settings.window_frames},
           {"step_frames", settings.step_frames},
@@ -70,7 +71,7 @@ void add_pieces(const RobustnessResult& result, int source, int first, PartialRe
   }
 }
 
-ExitCode run(const Arguments& arguments) {
+ExitCode run(const RobustnessArguments& arguments) {
   const RobustnessSettings settings = settings_of(arguments);
   PartialResult part =
       make_partial("robustness", settings_json(arguments, settings), settings.shard);
@@ -93,7 +94,7 @@ ExitCode run(const Arguments& arguments) {
   return worst == ExitCode::kOk ? concluded : worst;
 }
 
-void add_options(CLI::App& command, Arguments& arguments) {
+void add_options(CLI::App& command, RobustnessArguments& arguments) {
   command.add_option("SOURCE", arguments.sources, "Sources with pictures, as for `run`")
       ->required();
   command.add_option("--out", arguments.run.out, "Folder for the results")->required();
@@ -174,7 +175,7 @@ ExitCode conclude_robustness(const PartialResult& whole, const Conclusion& concl
 void register_robustness_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(
       "robustness", "How often hand-held tracking succeeds on windows of recordings");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RobustnessArguments>();
   add_options(*command, *arguments);
   command->callback([&context, command, arguments] {
     arguments->run.command_line = context.command_line;

@@ -17,7 +17,7 @@
 namespace cairn::host {
 namespace {
 
-struct Arguments {
+struct TimingArguments {
   RunOptions run;
   TimingOptions timing;
   bool worst_case = false;
@@ -29,7 +29,7 @@ nlohmann::json read_json(const std::filesystem::path& path) {
 }
 
 /// A row of the table of worst cases.
-nlohmann::json time_worst_case(const Arguments& arguments, const NamedStressScene& scene,
+nlohmann::json time_worst_case(const TimingArguments& arguments, const NamedStressScene& scene,
                                bool handheld, ExitCode& worst) {
   const char* mode = handheld ? "handheld" : "vehicle";
   RunOptions options = arguments.run;
@@ -47,7 +47,7 @@ nlohmann::json time_worst_case(const Arguments& arguments, const NamedStressScen
 }
 
 /// Every named stress scene, in both modes.
-ExitCode time_worst_cases(const Arguments& arguments) {
+ExitCode time_worst_cases(const TimingArguments& arguments) {
   ExitCode worst = ExitCode::kOk;
   PartialResult part = make_partial(
       "timing", {{"counted_frames", arguments.timing.counted_frames}, {"seed", arguments.run.seed}},
@@ -66,7 +66,7 @@ ExitCode time_worst_cases(const Arguments& arguments) {
   return worst == ExitCode::kOk ? concluded : worst;
 }
 
-ExitCode run(Arguments& arguments) {
+ExitCode run(TimingArguments& arguments) {
   if (arguments.worst_case && !arguments.run.source.empty()) {
     throw UsageError("--worst-case has sources of its own: give no SOURCE");
   }
@@ -105,7 +105,7 @@ ExitCode conclude_timing(const PartialResult& whole, const Conclusion& conclusio
 void register_timing_command(CommandContext& context) {
   CLI::App* command = context.app.add_subcommand(
       "timing", "Time and instructions of every frame, beside the paper's Table 1");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TimingArguments>();
   RunOptions& run_options = arguments->run;
   command->add_option("SOURCE", run_options.source, "As for `run`; the hall unless given");
   command->add_option("--out", run_options.out, "Folder for the results")->required();

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 30;
+constexpr std::uintmax_t kLargestPictureFile = std::uintmax_t{1} << 30;
 constexpr std::size_t kHeaderBytes = std::size_t{1} << 18;
 constexpr double kShareBeyondLevels = 1e-4;
 constexpr const char* kExpected = "expected an image (PNG, JPEG, PGM, PPM or BMP) that decodes";
@@ -26,8 +26,9 @@ std::string read_bytes(const fs::path& path, std::size_t most) {
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) throw InputError(path, "cannot be read");
   if (size == 0) throw InputError(path, "expected an image, found an empty file");
-  if (size > kLargestFile) {
-    throw InputError(path, fmt::format("expected an image of at most {} bytes", kLargestFile));
+  if (size > kLargestPictureFile) {
+    throw InputError(path,
+                     fmt::format("expected an image of at most {} bytes", kLargestPictureFile));
   }
   std::string bytes(std::min<std::size_t>(most, size), '\0');
   std::ifstream file(path, std::ios::binary);
@@ -58,7 +59,7 @@ PictureHeader checked_header(const fs::path& path, std::string_view bytes) {
 }
 
 cv::Mat decode(const fs::path& path, const cv::Size& size, bool any_depth) {
-  std::string bytes = read_bytes(path, kLargestFile);
+  std::string bytes = read_bytes(path, kLargestPictureFile);
   const PictureHeader header = checked_header(path, bytes);
   if (!header.whole) throw InputError(path, "expected a whole image; the file is cut short");
   // A JPEG may be turned by a quarter when it is decoded.
@@ -98,7 +99,7 @@ void read_grey_image(const fs::path& path, const cv::Size& size, cv::Mat& grey,
 PictureHeader read_picture_header_of(const fs::path& path) {
   const std::string beginning = read_bytes(path, kHeaderBytes);
   if (read_picture_header(beginning).has_value()) return checked_header(path, beginning);
-  return checked_header(path, read_bytes(path, kLargestFile));
+  return checked_header(path, read_bytes(path, kLargestPictureFile));
 }
 
 GreyLevels find_grey_levels(const std::vector<fs::path>& pictures) {

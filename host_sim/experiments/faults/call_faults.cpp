@@ -7,8 +7,6 @@
 namespace cairn::host {
 namespace {
 
-constexpr int kOneSecond = 30;
-
 FaultOutcome wrong_size(const FaultScene& scene, const std::string& what, const cv::Mat& picture) {
   FaultJudge judge(FaultComponent::kFrames, FaultMode::kGarbage, what + " for 1 s",
                    "each refused as invalid_argument, the state unchanged, not lost");

@@ -15,7 +15,6 @@
 namespace cairn::host {
 namespace {
 
-constexpr double kOutside9999Dof3 = 21.108;
 constexpr int kLasting = 5;  // frames of tracking that count as a return
 
 /// Of a landmark whose height the floor gives, one eigenvalue is 0 but for rounding.

@@ -13,6 +13,10 @@
 
 namespace cairn::host {
 
+constexpr int kOneSecond = 30;  ///< frames, of the scenes' rate
+constexpr int kTwoSeconds = 60;
+constexpr double kOutside9999Dof3 = 21.108;  ///< chi-square, 3 degrees of freedom
+
 /// A frame on its way to the tracker, which an injection may change.
 struct FaultStep {
   Frame frame;

@@ -36,7 +36,6 @@ double angle_between(const Quaternion<float>& a, const Quaternion<float>& b) {
 }
 
 constexpr double kFlip_rad = 0.3;
-constexpr double kOutside9999Dof3 = 21.108;
 
 /// Squared Mahalanobis distance of the rotation, 3 degrees of freedom.
 double rotation_nees(const Rigid<float>& pose, const Rigid<float>& truth,

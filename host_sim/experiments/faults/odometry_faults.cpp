@@ -9,12 +9,11 @@
 namespace cairn::host {
 namespace {
 
-constexpr int kTwoSeconds = 60;
 constexpr const char* kHonest = "never tracking while wrong";
 
-using Change = std::function<void(int k, OdometrySample& sample)>;
+using SampleChange = std::function<void(int k, OdometrySample& sample)>;
 
-Injection on_samples(const Change& change) {
+Injection on_samples(const SampleChange& change) {
   return [change](int k, FaultStep& step) {
     for (OdometrySample& sample : step.frame.odometry) change(k, sample);
   };
@@ -22,7 +21,7 @@ Injection on_samples(const Change& change) {
 
 /// Readings that the tracker must refuse.
 FaultOutcome refused(const FaultScene& scene, const std::string& injected, int length,
-                     const Change& change) {
+                     const SampleChange& change) {
   FaultJudge judge(FaultComponent::kOdometry, FaultMode::kGarbage,
                    fmt::format("{} for {} samples", injected, length),
                    "each refused and counted, the state unchanged; never tracking while wrong");
@@ -87,7 +86,7 @@ FaultOutcomes inject_wrong_odometry(const FaultScene& scene) {
   if (!scene.vehicle()) return skipped(FaultComponent::kOdometry);
   OdometrySample first;
   std::vector<OdometrySample> queue;
-  const auto each = [&](FaultMode mode, const char* injected, const Change& change) {
+  const auto each = [&](FaultMode mode, const char* injected, const SampleChange& change) {
     return honest(scene, mode, injected, on_samples(change));
   };
   FaultOutcomes outcomes = {

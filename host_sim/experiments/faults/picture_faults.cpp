@@ -9,12 +9,11 @@
 namespace cairn::host {
 namespace {
 
-constexpr int kTwoSeconds = 60;
-constexpr const char* kHonest = "never tracking while wrong; work within the limit";
+constexpr const char* kHonestInWork = "never tracking while wrong; work within the limit";
 
-using Change = std::function<cv::Mat(int k, const cv::Mat& picture)>;
+using PictureChange = std::function<cv::Mat(int k, const cv::Mat& picture)>;
 
-Injection show(const Change& change) {
+Injection show(const PictureChange& change) {
   return [change](int k, FaultStep& step) { step.frame.grey = change(k, step.frame.grey); };
 }
 
@@ -24,8 +23,8 @@ FaultJudge frames_judge(FaultMode mode, const std::string& injected, const std::
 
 /// Pictures changed for two seconds; what every drive must keep.
 FaultOutcome honest_drive(const FaultScene& scene, FaultMode mode, const std::string& injected,
-                          const Change& change) {
-  FaultJudge judge = frames_judge(mode, injected + " for 2 s", kHonest);
+                          const PictureChange& change) {
+  FaultJudge judge = frames_judge(mode, injected + " for 2 s", kHonestInWork);
   const FaultDrive drive = scene.drive(kTwoSeconds, show(change));
   describe(judge, drive);
   return expect_honest(judge, drive).outcome();

@@ -11,7 +11,6 @@ namespace cairn::host {
 namespace {
 
 constexpr std::int64_t kHour_us = 3600LL * 1000 * 1000;
-constexpr int kOneSecond = 30;
 constexpr int kAll = 1000000;  // to the end of the drive
 
 int count_of(const std::map<std::string, int>& counts, const char* name) {

@@ -6,7 +6,7 @@
 namespace cairn::host {
 namespace {
 
-PinholeCamera<double> read(const CameraSection& root) {
+PinholeCamera<double> read_basalt(const CameraSection& root) {
   PinholeCamera<double> camera;
   const CameraSection value = root.child("value0");
   const CameraSection first = value.element("intrinsics", 0);
@@ -32,6 +32,6 @@ PinholeCamera<double> read(const CameraSection& root) {
 
 const CameraFormat kBasaltFormat{"basalt", "value0.intrinsics",
                                  [](const CameraSection& root) { return root.has("value0"); },
-                                 read};
+                                 read_basalt};
 
 }  // namespace cairn::host

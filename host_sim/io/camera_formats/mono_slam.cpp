@@ -48,7 +48,7 @@ std::string calibration_name(const CameraSection& root, const CameraSection& cal
   return names.size() == 1 ? names.front() : std::string();
 }
 
-PinholeCamera<double> read(const CameraSection& root) {
+PinholeCamera<double> read_mono_slam(const CameraSection& root) {
   const CameraSection calibrations = root.child("CameraCalibration");
   const std::string name = calibration_name(root, calibrations);
   if (!calibrations.has(name)) {
@@ -71,6 +71,6 @@ PinholeCamera<double> read(const CameraSection& root) {
 
 const CameraFormat kMonoSlamFormat{
     "Open EKF Mono SLAM", "CameraCalibration",
-    [](const CameraSection& root) { return root.has("CameraCalibration"); }, read};
+    [](const CameraSection& root) { return root.has("CameraCalibration"); }, read_mono_slam};
 
 }  // namespace cairn::host

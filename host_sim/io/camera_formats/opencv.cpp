@@ -23,7 +23,7 @@ void refuse_crop(const CameraSection& root, const PinholeCamera<double>& camera)
   }
 }
 
-PinholeCamera<double> read(const CameraSection& root) {
+PinholeCamera<double> read_opencv(const CameraSection& root) {
   PinholeCamera<double> camera;
   const LensModel model = read_lens_model(root);
   read_camera_matrix(root, matrix_key(root), camera);
@@ -41,6 +41,6 @@ PinholeCamera<double> read(const CameraSection& root) {
 
 const CameraFormat kOpenCvFormat{
     "OpenCV or ROS", "camera_matrix",
-    [](const CameraSection& root) { return !matrix_key(root).empty(); }, read};
+    [](const CameraSection& root) { return !matrix_key(root).empty(); }, read_opencv};
 
 }  // namespace cairn::host

@@ -5,7 +5,7 @@
 namespace cairn::host {
 namespace {
 
-PinholeCamera<double> read(const CameraSection& root) {
+PinholeCamera<double> read_vins(const CameraSection& root) {
   PinholeCamera<double> camera;
   const LensModel model = read_lens_model(root);
   camera.width = root.extent("image_width", "the image width, px");
@@ -41,6 +41,6 @@ PinholeCamera<double> read(const CameraSection& root) {
 
 const CameraFormat kVinsFormat{
     "VINS", "projection_parameters",
-    [](const CameraSection& root) { return root.has("projection_parameters"); }, read};
+    [](const CameraSection& root) { return root.has("projection_parameters"); }, read_vins};
 
 }  // namespace cairn::host

@@ -5,7 +5,7 @@
 namespace cairn::host {
 namespace {
 
-PinholeCamera<double> read(const CameraSection& root) {
+PinholeCamera<double> read_visp(const CameraSection& root) {
   PinholeCamera<double> camera;
   static_cast<void>(read_lens_model(root));
   camera.fx = root.number("px", "the focal length, px");
@@ -28,6 +28,6 @@ PinholeCamera<double> read(const CameraSection& root) {
 const CameraFormat kVispFormat{
     "ViSP", "px",
     [](const CameraSection& root) { return root.has("px") || root.has("py") || root.has("u0"); },
-    read};
+    read_visp};
 
 }  // namespace cairn::host
