@@ -63,7 +63,8 @@ class WindowTracker {
     int astray_features = 12;  ///< searched in frames of which the memory takes points
     float keyframe_parallax_px = 12.0F;  ///< mean since the last keyframe, its rotation apart
     float keyframe_share = 0.75F;  ///< found of the last one's features, below which one is made
-    int keyframe_frames = 12;      ///< since the last one, at most
+    int keyframe_frames = 12;      ///< since the last one, at most, of a camera that does not stand
+    float standing_px = 4.0F;      ///< mean flow, or parallax, below which it does
     int min_inliers = 8;
     float min_inlier_share = 0.4F;  ///< of those found
     int max_outliers = 2;           ///< of a feature, in a row; then it is given up
@@ -83,7 +84,7 @@ class WindowTracker {
       const bool parts = ok(window.validate()) && ok(features.validate()) &&
                          ok(rotation.validate()) && ok(memory.validate());
       const bool good = parts && is_positive(sigma_px) && is_positive(keyframe_parallax_px) &&
-                        share(keyframe_share) && keyframe_frames >= 1 && min_inliers >= 4 &&
+                        share(keyframe_share) && keyframe_frames >= 1 && is_finite(standing_px) && standing_px >= 0.0F && min_inliers >= 4 &&
                         share(min_inlier_share) && max_outliers >= 1 && max_outliers < 255 &&
                         is_finite(forget_s) && forget_s >= 0.0F && astray_features >= 0 &&
                         weak_frames >= 0 && is_positive(known_depth) && is_finite(focal_sigma) &&
@@ -135,6 +136,13 @@ class WindowTracker {
   void hash(Hash64& hash) const;
 
  private:
+  /// Of the landmarks that a frame and the newest keyframe see; means, in pixels.
+  struct ViewChange {
+    int found = 0;  ///< by the frame, whether that keyframe sees them or not
+    int common = 0;
+    float flow = 0.0F;
+    float parallax = 0.0F;  ///< what is left of it without the turn
+  };
   static constexpr int kStepsOfClock = 4;
   static constexpr int kMostWithoutStep = 4;  ///< frames; then the searches leave work for one
 
@@ -148,8 +156,10 @@ class WindowTracker {
   void accept(FrameContext& frame, const Rigid<float>& pose, const FrameStep& step);
   void remove(FrameContext& frame, int i);
   void drop_missed(FrameContext& frame, const Rigid<float>& pose);
-  bool wants_keyframe() const;
-  bool make_keyframe(FrameContext& frame);
+  void keep_keyframes(FrameContext& frame);
+  ViewChange view_change() const;
+  bool wants_keyframe(const ViewChange& change) const;
+  bool make_keyframe(FrameContext& frame, bool moved);
   void observe_features();
   void improve_window(FrameContext& frame);
   void note_weak(FrameContext& frame);

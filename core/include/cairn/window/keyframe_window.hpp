@@ -24,7 +24,7 @@ struct WindowParameters {
   T depth_prior_sigma = T(0.5);  ///< of a new landmark, relative to its inverse depth
   T sigma_factor = T(1.5);       ///< of an inverse depth, over what its own observations give
   int iterations = 6;            ///< after a keyframe
-  int mirrored_keyframes = 6;    ///< after which the mirrored relief is tried,
+  int mirrored_keyframes = 6;    ///< with parallax, until which the mirrored relief is tried,
   int mirrored_iterations = 10;  ///< by so many iterations,
   T mirrored_gain = T(0.9);      ///< and taken where its cost is below this share of the other's
 
@@ -92,8 +92,10 @@ class KeyframeWindow {
   /// A landmark of a fixed host, that sees it along `ray` at an inverse depth. Its slot, -1 when
   /// full.
   int add_known_landmark(LandmarkId id, int host, const Vector2<T>& ray, T inverse_depth, T sigma);
-  /// Ends a keyframe: forgets landmarks without use, and asks for iterations.
-  void finish_keyframe();
+  /// Ends a keyframe: forgets landmarks without use, and asks for iterations. `moved`: the camera
+  /// did since the one before; from a standing camera or one that turns on the spot, the mirrored
+  /// relief cannot be told.
+  void finish_keyframe(bool moved = true);
 
   /// Whether iterations are wanted.
   bool working() const { return left_ > 0 || mirror_left_ > 0; }
@@ -110,7 +112,7 @@ class KeyframeWindow {
   int started() const { return started_; }
   /// Whether the mirrored solution is out of question.
   bool settled() const {
-    return anchored_ || (started_ > parameters_.mirrored_keyframes && mirror_left_ == 0);
+    return anchored_ || (moved_ > parameters_.mirrored_keyframes && mirror_left_ == 0);
   }
   /// Since clear(), how often the mirrored solution was taken.
   int mirrored() const { return mirrored_; }
@@ -199,6 +201,7 @@ class KeyframeWindow {
   Solution solutions_[2] = {};
   int present_ = 0;
   int started_ = 0;
+  int moved_ = 0;  ///< keyframes, of those
   int mirrored_ = 0;
   int left_ = 0;         ///< iterations of the present solution
   int mirror_left_ = 0;  ///< of the other one

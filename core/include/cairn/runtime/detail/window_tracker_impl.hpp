@@ -99,7 +99,7 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
     frame.report.inliers = inliers_;
     accept(frame, pose, step);
     drop_missed(frame, pose);
-    if (!takes_points_ && wants_keyframe()) static_cast<void>(make_keyframe(frame));
+    if (!takes_points_) keep_keyframes(frame);
     state_ = depths_hold() && !astray_ ? TrackingState::kTracking : TrackingState::kUncertain;
   } else {
     status = found < parameters_.min_inliers ? Status::kLowTexture : Status::kNoConsensus;
@@ -248,6 +248,13 @@ void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose
 }
 
 template <class Config>
+void WindowTracker<Config>::keep_keyframes(FrameContext& frame) {
+  const ViewChange change = view_change();
+  if (!wants_keyframe(change)) return;
+  static_cast<void>(make_keyframe(frame, change.parallax > parameters_.standing_px));
+}
+
+template <class Config>
 void WindowTracker<Config>::remove(FrameContext& frame, int i) {
   window_.retire(features_[i].slot);
   features_.remove(i);
@@ -266,31 +273,42 @@ void WindowTracker<Config>::drop_missed(FrameContext& frame, const Rigid<float>&
   }
 }
 
+/// How the view changed since the newest keyframe, over the landmarks that it and the frame see.
 template <class Config>
-bool WindowTracker<Config>::wants_keyframe() const {
-  if (since_keyframe_ < 2) return false;
+typename WindowTracker<Config>::ViewChange WindowTracker<Config>::view_change() const {
   const Quaternion<float> turned =
       T_camera_world_.rotation * window_.newest_pose().rotation.conjugate();
   const Matrix3<float> rotation = turned.toRotationMatrix();
-  float sum = 0.0F;
-  int common = 0;
-  int found = 0;
+  ViewChange change;
   for (int i = 0; i < features_.size(); ++i) {
     if (!features_[i].found) continue;
-    ++found;
+    ++change.found;
     Vector2<float> before;
     if (!window_.newest_sees(features_[i].slot, before)) continue;
     const Vector3<float> p = rotation * Vector3<float>(before.x(), before.y(), 1.0F);
     const Vector3<float> ray = camera_.unproject(features_[i].pixel);
     if (!(p.z() > 0.0F)) continue;
-    sum += sqrt(square(ray.x() - p.x() / p.z()) + square(ray.y() - p.y() / p.z()));
-    ++common;
+    const Vector2<float> seen(ray.x(), ray.y());
+    change.flow += sqrt((seen - before).squaredNorm());
+    change.parallax += sqrt((seen - Vector2<float>(p.x(), p.y()) / p.z()).squaredNorm());
+    ++change.common;
   }
-  const float parallax = parameters_.keyframe_parallax_px / camera_.fx;
-  return sum > parallax * static_cast<float>(common) || 2 * common < found ||
-         static_cast<float>(found) <
-             parameters_.keyframe_share * static_cast<float>(at_keyframe_) ||
-         since_keyframe_ >= parameters_.keyframe_frames;
+  if (change.common > 0) {
+    const float share = camera_.fx / static_cast<float>(change.common);
+    change.flow *= share;
+    change.parallax *= share;
+  }
+  return change;
+}
+
+template <class Config>
+bool WindowTracker<Config>::wants_keyframe(const ViewChange& change) const {
+  if (since_keyframe_ < 2) return false;
+  const float least = parameters_.keyframe_share * static_cast<float>(at_keyframe_);
+  return change.parallax > parameters_.keyframe_parallax_px || 2 * change.common < change.found ||
+         static_cast<float>(change.found) < least ||
+         (since_keyframe_ >= parameters_.keyframe_frames &&
+          change.flow > parameters_.standing_px);
 }
 
 }  // namespace cairn

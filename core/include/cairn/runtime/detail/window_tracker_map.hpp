@@ -15,9 +15,10 @@ void WindowTracker<Config>::observe_features() {
   }
 }
 
-/// The present frame becomes a keyframe, and new landmarks begin in it.
+/// The present frame becomes a keyframe, and new landmarks begin in it. `moved`: the camera did,
+/// since the one before.
 template <class Config>
-bool WindowTracker<Config>::make_keyframe(FrameContext& frame) {
+bool WindowTracker<Config>::make_keyframe(FrameContext& frame, bool moved) {
   frame.work.spend(work::kWindowNewest);
   window_.begin_keyframe(T_camera_world_);
   memory_.note_keyframe();
@@ -28,7 +29,7 @@ bool WindowTracker<Config>::make_keyframe(FrameContext& frame) {
   features_.renew_templates(frame);
   const int added = features_.add(frame, window_, next_id_);
   at_keyframe_ = features_.size();
-  window_.finish_keyframe();
+  window_.finish_keyframe(moved);
   since_keyframe_ = 0;
   return added > 0;
 }
@@ -96,7 +97,7 @@ bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   features_.clear();
   motion_.forget();
   weak_frames_ = 0;
-  static_cast<void>(make_keyframe(frame));
+  static_cast<void>(make_keyframe(frame, true));
   if (features_.size() >= parameters_.min_inliers) {
     attitude_[window_.newest()] = lost_attitude_ + square(parameters_.blind_rate_radps * blind_s_) *
                                                        Matrix3<float>::Identity();

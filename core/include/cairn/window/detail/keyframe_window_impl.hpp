@@ -18,7 +18,7 @@ void KeyframeWindow<T, Bounds>::clear() {
   for (Landmark& landmark : landmarks_) landmark = Landmark();
   for (bool& used : pose_used_) used = false;
   order_.clear();
-  started_ = mirrored_ = left_ = mirror_left_ = 0;
+  started_ = moved_ = mirrored_ = left_ = mirror_left_ = 0;
   present_ = 0;
   anchored_ = false;
   solved_ = false;
@@ -192,8 +192,9 @@ void KeyframeWindow<T, Bounds>::forget_unused() {
 }
 
 template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::finish_keyframe() {
+void KeyframeWindow<T, Bounds>::finish_keyframe(bool moved) {
   forget_unused();
+  moved_ += moved ? 1 : 0;
   if (started_ < 2) return;
   left_ = parameters_.iterations;
 }

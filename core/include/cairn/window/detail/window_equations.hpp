@@ -257,7 +257,7 @@ void KeyframeWindow<T, Bounds>::improve() {
   if (left_ > 0) return;
   assess();
   if (mirror_left_ > 0) return;  // its turn comes
-  if (!anchored_ && started_ <= parameters_.mirrored_keyframes) {
+  if (!anchored_ && moved_ <= parameters_.mirrored_keyframes) {
     begin_mirror();
   } else {
     forget_outliers();
