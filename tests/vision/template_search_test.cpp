@@ -1,9 +1,12 @@
 #include "cairn/vision/template_search.hpp"
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "cairn/vision/shrunk_image.hpp"
 
 namespace cairn {
 namespace {
@@ -68,17 +71,46 @@ TEST(FindTemplate, StaysInsideTheImage) {
   EXPECT_EQ(find_template(view(picture), reference, -900, 40, 8, 0, match), Status::kNotFound);
 }
 
-TEST(QuarterImage, TakesMeansOfFourByFourPixels) {
-  const auto picture = pattern(0.0, 0.0);
-  static QuarterImage<96, 80> quarter;
-  quarter.take(view(picture));
-  ASSERT_EQ(quarter.view().width, 24);
-  ASSERT_EQ(quarter.view().height, 20);
-  int sum = 0;
-  for (int y = 8; y < 12; ++y) {
-    for (int x = 20; x < 24; ++x) sum += picture[static_cast<std::size_t>(y * kWidth + x)];
+/// A picture of any size with a pattern of its own.
+std::vector<std::uint8_t> noise(int width, int height) {
+  std::vector<std::uint8_t> pixels;
+  std::uint32_t state = 1;
+  for (int i = 0; i < width * height; ++i) {
+    state = state * 1664525U + 1013904223U;
+    pixels.push_back(static_cast<std::uint8_t>(state >> 24U));
   }
-  EXPECT_EQ(quarter.view().row(2)[5], (sum + 8) / 16);
+  return pixels;
+}
+
+/// Whether each pixel of the shrunk image is the mean of `factor` by `factor` of the picture.
+void expect_means(int width, int height, int factor) {
+  const auto picture = noise(width, height);
+  auto shrunk = std::make_unique<ShrunkImage<1280, 960>>();
+  shrunk->take({picture.data(), width, height, width});
+  ASSERT_EQ(shrunk->factor(), factor);
+  const ImageView small = shrunk->view();
+  ASSERT_EQ(small.width, width / factor);
+  ASSERT_EQ(small.height, height / factor);
+  for (int y = 0; y < small.height; ++y) {
+    for (int x = 0; x < small.width; ++x) {
+      int sum = factor * factor / 2;
+      for (int v = 0; v < factor; ++v) {
+        for (int u = 0; u < factor; ++u) {
+          sum += picture[static_cast<std::size_t>((factor * y + v) * width + factor * x + u)];
+        }
+      }
+      ASSERT_EQ(small.row(y)[x], sum / (factor * factor)) << x << " " << y;
+    }
+  }
+  EXPECT_FLOAT_EQ(shrunk->to_picture(shrunk->to_shrunk(30.0F)), 30.0F);
+  EXPECT_FLOAT_EQ(shrunk->to_shrunk(0.5F * static_cast<float>(factor - 1)), 0.0F);
+}
+
+TEST(ShrunkImage, TakesMeansOfMorePixelsFromLargerPictures) {
+  expect_means(320, 240, 2);
+  expect_means(322, 241, 4);
+  expect_means(640, 480, 4);
+  expect_means(1280, 960, 8);
 }
 
 }  // namespace

@@ -24,16 +24,31 @@ std::vector<std::uint8_t> squares() {
   return pixels;
 }
 
+using Points = TexturePoints<kWidth, kHeight>;
+
+/// Rates the open cells, and seeks the best point of each.
+void find(Points& points, const std::vector<std::uint8_t>& picture, int margin) {
+  const ImageView image{picture.data(), kWidth, kHeight, kWidth};
+  points.rate(image);
+  for (int i = 0; i < points.cells(); ++i) {
+    if (points.is_open(i)) points.refine(i, image, margin);
+  }
+}
+TexturePoint best(const Points& points) {
+  const int cell = points.best();
+  return cell < 0 ? TexturePoint() : points[cell];
+}
+
 TEST(TexturePoints, FindsCornersAndNoEdgesTheStrongestFirst) {
   const auto picture = squares();
-  static TexturePoints<kWidth, kHeight> points;
+  static Points points;
   points.begin(kWidth, kHeight);
-  points.find({picture.data(), kWidth, kHeight, kWidth}, 8);
-  const float strongest = points.best().score;
+  find(points, picture, 8);
+  const float strongest = best(points).score;
   int first = 0;
   int second = 0;
   for (int i = 0; i < 20; ++i) {
-    const TexturePoint point = points.best();
+    const TexturePoint point = best(points);
     if (point.score < 0.01F * strongest) break;
     const bool bright = point.x < 40 && point.y < 40;
     EXPECT_TRUE(bright || (point.x > 80 && point.x < 102 && point.y > 48 && point.y < 70))
@@ -48,25 +63,37 @@ TEST(TexturePoints, FindsCornersAndNoEdgesTheStrongestFirst) {
 
 TEST(TexturePoints, LeavesOutWhatIsKnownAndTheBorder) {
   const auto picture = squares();
-  static TexturePoints<kWidth, kHeight> points;
+  static Points points;
   points.begin(kWidth, kHeight);
   const int all = points.open_cells();
   points.close(27.0F, 27.0F, 24.0F);
   EXPECT_LT(points.open_cells(), all);
-  points.find({picture.data(), kWidth, kHeight, kWidth}, 8);
-  EXPECT_GT(points.best().x, 70);
+  find(points, picture, 8);
+  EXPECT_GT(best(points).x, 70);
   points.begin(kWidth, kHeight);
-  points.find({picture.data(), kWidth, kHeight, kWidth}, 40);
-  const TexturePoint inside = points.best();
+  find(points, picture, 40);
+  const TexturePoint inside = best(points);
   EXPECT_TRUE(inside.score == 0.0F || (inside.x >= 40 && inside.x < kWidth - 40));
+}
+
+TEST(TexturePoints, RatesCellsByTheTextureOfTheWhole) {
+  const auto picture = squares();
+  static Points points;
+  points.begin(kWidth, kHeight);
+  points.rate({picture.data(), kWidth, kHeight, kWidth});
+  const TexturePoint rated = best(points);
+  EXPECT_EQ(rated.x % Points::kCell, Points::kCell / 2);
+  EXPECT_TRUE(rated.x < 48 && rated.y < 48) << "the brighter square";
+  const TexturePoint edge = points[(kHeight / Points::kCell - 1) * (kWidth / Points::kCell) + 3];
+  EXPECT_EQ(edge.score, 0.0F) << "an edge alone is no texture";
 }
 
 TEST(TexturePoints, FlatPicturesHaveNone) {
   const std::vector<std::uint8_t> flat(kWidth * kHeight, 77);
-  static TexturePoints<kWidth, kHeight> points;
+  static Points points;
   points.begin(kWidth, kHeight);
-  points.find({flat.data(), kWidth, kHeight, kWidth}, 3);
-  EXPECT_EQ(points.best().score, 0.0F);
+  find(points, flat, 3);
+  EXPECT_EQ(best(points).score, 0.0F);
 }
 
 }  // namespace

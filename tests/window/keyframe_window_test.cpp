@@ -20,20 +20,21 @@ struct Drive {
     EXPECT_EQ(window.initialise(parameters), Status::kOk);
   }
   /// A keyframe at a pose that is off by `error`, then all iterations.
-  void keyframe(int frame, T error) {
+  void keyframe(int frame, T error, bool moved = true) {
+    const bool first = window.started() == 0;
     Rigid<T> guess = Scene::pose(frame);
     const T step[6] = {error, -error, error, error, error, -error};
     if (frame > 0) guess = perturbed(guess, step);
     window.begin_keyframe(guess);
     for (int i = 0; i < Scene::kPoints; ++i) {
       const Vector2<T> seen = scene.seen(i, Scene::pose(frame));
-      if (frame == 0) {
+      if (first) {
         slots[i] = window.add_landmark(static_cast<LandmarkId>(i + 1), seen);
       } else {
         window.observe(slots[i], seen);
       }
     }
-    window.finish_keyframe();
+    window.finish_keyframe(moved);
     int steps = 0;
     for (; window.working() && steps < 1000; ++steps) window.step();
     most_steps = steps > most_steps ? steps : most_steps;
@@ -113,6 +114,14 @@ TEST(KeyframeWindow, LeavesTheMirroredWorldInMostScenes) {
   }
   EXPECT_GE(wrong_without, 5);
   EXPECT_LE(wrong_with, 2);
+}
+
+TEST(KeyframeWindow, KeyframesOfAStandingCameraDoNotSettleTheRelief) {
+  Drive<float> drive;
+  for (int k = 0; k < 10; ++k) drive.keyframe(0, 0.0F, false);
+  EXPECT_FALSE(drive.window.settled());
+  for (int k = 0; k < 7; ++k) drive.keyframe(2 * k, 0.002F);
+  EXPECT_TRUE(drive.window.settled());
 }
 
 TEST(KeyframeWindow, WorkIsBoundedAfterEveryKeyframe) {

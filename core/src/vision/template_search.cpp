@@ -14,6 +14,7 @@ constexpr int kPixels = kSide * kSide;
 constexpr int kPitch = kSide + 1;
 constexpr int kMaxPlaces = 2 * kMaxSearchRadius + 1;
 constexpr int kMaxColumns = kMaxPlaces + kSide - 1;
+constexpr int kPlacesAtOnce = 4;
 constexpr int kOneQ15 = 1 << 15;
 
 /// Rows of 11 values and a zero, with what normalises them.
@@ -58,15 +59,6 @@ struct Columns {
   }
 };
 
-/// Of the pixels at p with the template.
-std::int32_t product(const std::uint8_t* p, std::ptrdiff_t stride, const std::int16_t* values) {
-  std::int32_t sum = 0;
-  for (int row = 0; row < kSide; ++row, p += stride, values += kPitch) {
-    for (int column = 0; column < kSide; ++column) sum += p[column] * values[column];
-  }
-  return sum;
-}
-
 /// A row of pixels, for products with rows of the template.
 class PixelRow {
  public:
@@ -79,27 +71,57 @@ class PixelRow {
       words_[i] = left | (right << 16U);
       left = right;
     }
-    for (int i = count - 1; i < count + 1; ++i) words_[i] = i < count ? left : 0U;
+    words_[count - 1] = left;
+    for (int i = count; i < count + kPlacesAtOnce; ++i) words_[i] = 0;
   }
-  /// Adds to each of `places` sums the product of the pixels from there on with a template's row.
+  /// Adds to each of `places` sums the product of the pixels from there on with a template's row;
+  /// the sums after them, up to a multiple of four, are spoiled. Unrolled by hand: the values stay
+  /// in registers, and each word serves two places.
   void add_products(const std::int16_t* values, int places, std::int32_t* sums) const {
     std::uint32_t v[kPitch / 2];
     std::memcpy(v, values, sizeof v);
-    for (int i = 0; i < places; i += 2) {
+    const auto add = [](std::uint32_t pixels, std::uint32_t pair, std::int32_t& sum) {
+      sum = vision::add_products(pixels, pair, sum);
+    };
+    for (int i = 0; i < places; i += kPlacesAtOnce) {
       const std::uint32_t* const w = words_ + i;
-      std::int32_t even = sums[i];
-      std::int32_t odd = sums[i + 1];
-      for (int k = 0; k < kPitch / 2; ++k) {
-        even = vision::add_products(w[2 * k], v[k], even);
-        odd = vision::add_products(w[2 * k + 1], v[k], odd);
-      }
-      sums[i] = even;
-      sums[i + 1] = odd;
+      std::int32_t a = sums[i];
+      std::int32_t b = sums[i + 1];
+      std::int32_t c = sums[i + 2];
+      std::int32_t d = sums[i + 3];
+      add(w[0], v[0], a);
+      add(w[1], v[0], b);
+      add(w[2], v[1], a);
+      add(w[2], v[0], c);
+      add(w[3], v[1], b);
+      add(w[3], v[0], d);
+      add(w[4], v[2], a);
+      add(w[4], v[1], c);
+      add(w[5], v[2], b);
+      add(w[5], v[1], d);
+      add(w[6], v[3], a);
+      add(w[6], v[2], c);
+      add(w[7], v[3], b);
+      add(w[7], v[2], d);
+      add(w[8], v[4], a);
+      add(w[8], v[3], c);
+      add(w[9], v[4], b);
+      add(w[9], v[3], d);
+      add(w[10], v[5], a);
+      add(w[10], v[4], c);
+      add(w[11], v[5], b);
+      add(w[11], v[4], d);
+      add(w[12], v[5], c);
+      add(w[13], v[5], d);
+      sums[i] = a;
+      sums[i + 1] = b;
+      sums[i + 2] = c;
+      sums[i + 3] = d;
     }
   }
 
  private:
-  std::uint32_t words_[kMaxColumns + 3];
+  std::uint32_t words_[kMaxColumns + kPlacesAtOnce];
 #else
   PixelRow(const std::uint8_t* row, int /*count*/) : row_(row) {}
   void add_products(const std::int16_t* values, int places, std::int32_t* sums) const {
@@ -134,18 +156,41 @@ class Products {
 
  private:
   Rect places_;
-  std::int32_t sums_[kSide][kMaxPlaces + 1];
+  std::int32_t sums_[kSide][kMaxPlaces + kPlacesAtOnce - 1];
 };
 
+/// What a row of places has of the correlation.
+struct PlaceRow {
+  std::int32_t covariance[kMaxPlaces];
+  std::int32_t spread[kMaxPlaces];
+};
+
+/// The best place so far, and what it and its neighbours have of the correlation.
 struct Best {
-  int x = -1;
+  struct Value {
+    std::int32_t covariance = 0;
+    std::int32_t spread = 0;
+
+    /// Q15.
+    std::int32_t correlation(const Reference& reference) const {
+      const std::uint64_t squared = static_cast<std::uint64_t>(spread) * reference.spread;
+      return static_cast<std::int32_t>((static_cast<std::int64_t>(covariance) * kOneQ15) /
+                                       (static_cast<std::int64_t>(integer_sqrt(squared)) + 1));
+    }
+  };
+  int x = -1;  ///< of the places
   int y = -1;
   std::int64_t score = 0;  ///< squared correlation times the template's spread
+  Value centre;
+  Value left;
+  Value right;
+  Value above;
+  Value below;
 };
 
-/// Keeps the best of a row of places that starts at (x, y).
-void try_row(int x, int y, int places, const std::int32_t* products, const Columns& columns,
-             const Reference& reference, Best& best) {
+/// Keeps the best of a row of places.
+void try_row(int y, int places, const std::int32_t* products, const Columns& columns,
+             const Reference& reference, PlaceRow& row, Best& best) {
   std::int32_t sum = 0;
   std::int32_t squares = 0;
   for (int i = 0; i < kSide - 1; ++i) {
@@ -157,33 +202,32 @@ void try_row(int x, int y, int places, const std::int32_t* products, const Colum
     squares += columns.squares[i + kSide - 1];
     const std::int32_t covariance = kPixels * products[i] - sum * reference.sum;
     const std::int32_t spread = kPixels * squares - sum * sum;
+    row.covariance[i] = covariance;
+    row.spread[i] = spread;
     sum -= columns.sums[i];
     squares -= columns.squares[i];
     if (covariance <= 0 || spread <= 0) continue;
     // covariance^2 / spread > best.score; a division takes longer than the rest.
     const std::int64_t squared = static_cast<std::int64_t>(covariance) * covariance;
-    if (squared >= (best.score + 1) * spread) best = {x + i, y, squared / spread};
+    if (squared >= (best.score + 1) * spread) {
+      best.x = i;
+      best.y = y;
+      best.score = squared / spread;
+    }
   }
 }
 
-/// Correlation at one place, Q15.
-std::int32_t correlation_at(const ImageView& image, int x, int y, const Reference& reference) {
-  const std::uint8_t* const first = image.row(y - kHalf) + x - kHalf;
-  std::int32_t sum = 0;
-  std::int32_t squares = 0;
-  const std::uint8_t* p = first;
-  for (int row = 0; row < kSide; ++row, p += image.stride) {
-    for (int column = 0; column < kSide; ++column) {
-      const std::int32_t v = p[column];
-      sum += v;
-      squares += v * v;
-    }
-  }
-  const std::int64_t covariance =
-      kPixels * product(first, image.stride, reference.values) - sum * reference.sum;
-  const auto spread = static_cast<std::uint32_t>(kPixels * squares - sum * sum);
-  const std::uint32_t root = integer_sqrt(static_cast<std::uint64_t>(spread) * reference.spread);
-  return static_cast<std::int32_t>((covariance * kOneQ15) / (static_cast<std::int64_t>(root) + 1));
+/// After each row: the values at the best place and beside it. `row` is that of the places `y`.
+void note_neighbours(int y, int places, const PlaceRow& above, const PlaceRow& row, Best& best) {
+  const auto at = [](const PlaceRow& from, int i) {
+    return Best::Value{from.covariance[i], from.spread[i]};
+  };
+  if (best.y + 1 == y) best.below = at(row, best.x);
+  if (best.y != y || best.x == 0 || best.x + 1 >= places) return;
+  best.centre = at(row, best.x);
+  best.left = at(row, best.x - 1);
+  best.right = at(row, best.x + 1);
+  best.above = at(above, best.x);
 }
 
 /// Vertex of the parabola through three values of which the middle one is the largest, Q8.
@@ -193,22 +237,6 @@ std::int32_t vertex(std::int32_t before, std::int32_t middle, std::int32_t after
 }
 
 }  // namespace
-
-namespace detail {
-
-void quarter_row(const ImageView& image, int row, std::uint8_t* out) {
-  const int width = image.width / 4;
-  const std::uint8_t* const first = image.row(4 * row);
-  for (int x = 0; x < width; ++x) {
-    std::uint32_t sum = 8;
-    const std::uint8_t* p = first + static_cast<std::ptrdiff_t>(4) * x;
-    for (int i = 0; i < 4; ++i, p += image.stride)
-      sum += static_cast<std::uint32_t>(p[0]) + p[1] + p[2] + p[3];
-    out[x] = static_cast<std::uint8_t>(sum / 16);
-  }
-}
-
-}  // namespace detail
 
 bool take_template(const ImageView& image, int x, int y, SmallTemplate& out) {
   if (x < kHalf || y < kHalf || x >= image.width - kHalf || y >= image.height - kHalf) return false;
@@ -236,24 +264,27 @@ Status find_template(const ImageView& image, const SmallTemplate& reference, int
     products.add(image, row, t);
   }
   Best best;
+  PlaceRow rows[2];
   for (int row = places.y0; row < places.y1; ++row) {
+    PlaceRow& values = rows[row & 1];
     products.add(image, row + kHalf, t);
     if (row > places.y0) {
       columns.move(image.row(row - 1 - kHalf) + places.x0 - kHalf,
                    image.row(row + kHalf) + places.x0 - kHalf, columns_used);
     }
-    try_row(places.x0, row, places.width(), products.at(row), columns, t, best);
+    try_row(row, places.width(), products.at(row), columns, t, values, best);
+    if (row > places.y0) note_neighbours(row, places.width(), rows[(row - 1) & 1], values, best);
   }
   const bool inside =
-      best.x > places.x0 && best.x < places.x1 - 1 && best.y > places.y0 && best.y < places.y1 - 1;
+      best.x > 0 && best.x < places.width() - 1 && best.y > places.y0 && best.y < places.y1 - 1;
   if (!inside) return Status::kNotFound;
-  const std::int32_t correlation = correlation_at(image, best.x, best.y, t);
+  const std::int32_t correlation = best.centre.correlation(t);
   if (correlation < least_q15) return Status::kNotFound;
   match.correlation = correlation;
-  match.x_q8 = 256 * best.x + vertex(correlation_at(image, best.x - 1, best.y, t), correlation,
-                                     correlation_at(image, best.x + 1, best.y, t));
-  match.y_q8 = 256 * best.y + vertex(correlation_at(image, best.x, best.y - 1, t), correlation,
-                                     correlation_at(image, best.x, best.y + 1, t));
+  match.x_q8 = 256 * (places.x0 + best.x) +
+               vertex(best.left.correlation(t), correlation, best.right.correlation(t));
+  match.y_q8 =
+      256 * best.y + vertex(best.above.correlation(t), correlation, best.below.correlation(t));
   return Status::kOk;
 }
 

@@ -11,19 +11,22 @@ struct Products {
   std::int32_t xy = 0;
   std::int32_t yy = 0;
 
-  void add(const Products& other) {
-    xx += other.xx;
-    xy += other.xy;
-    yy += other.yy;
+  Products() = default;
+  Products(const std::uint8_t* p, std::ptrdiff_t stride) {
+    const std::int32_t dx = p[1] - p[-1];
+    const std::int32_t dy = p[stride] - p[-stride];
+    xx = dx * dx;
+    xy = dx * dy;
+    yy = dy * dy;
+  }
+  Products operator+(const Products& other) const {
+    Products sum;
+    sum.xx = xx + other.xx;
+    sum.xy = xy + other.xy;
+    sum.yy = yy + other.yy;
+    return sum;
   }
 };
-
-Products products_at(const ImageView& image, int x, int y) {
-  const std::uint8_t* const p = image.row(y) + x;
-  const std::int32_t dx = p[1] - p[-1];
-  const std::int32_t dy = p[image.stride] - p[-image.stride];
-  return {dx * dx, dx * dy, dy * dy};
-}
 
 /// Noble's measure of a corner, 0 where there is no texture at all.
 float score_of(const Products& sum) {
@@ -38,40 +41,53 @@ float score_of(const Products& sum) {
 
 TexturePoint best_texture(const ImageView& image, int x0, int y0, int size, int margin) {
   TexturePoint best;
+  std::int32_t limit = 0;  // a score is below both sums of squares
   const int count = size / 2;
   const Rect inside{margin, margin, image.width - margin, image.height - margin};
-  // Sums over three columns of the last three rows of gradients.
+  // Gradients of the last three rows, of which the present one is summed over three columns.
   Products rows[3][kMost];
+  const bool whole = x0 >= 3 && x0 + size + 1 < image.width;
   for (int row = 0; row < count + 2; ++row) {
     const int y = y0 + 2 * (row - 1);
-    Products line[kMost];
+    Products* const sums = rows[row % 3];
+    const bool row_inside = y >= 1 && y < image.height - 1;
+    const std::uint8_t* const pixels = image.row(row_inside ? y : 0);
+    Products left;
+    Products middle;
     for (int column = 0; column < count + 2; ++column) {
       const int x = x0 + 2 * (column - 1);
-      if (x >= 1 && y >= 1 && x < image.width - 1 && y < image.height - 1) {
-        line[column] = products_at(image, x, y);
-      }
-    }
-    Products* const sums = rows[row % 3];
-    for (int column = 1; column <= count; ++column) {
-      sums[column] = line[column - 1];
-      sums[column].add(line[column]);
-      sums[column].add(line[column + 1]);
+      const bool in_image = row_inside && (whole || (x >= 1 && x < image.width - 1));
+      const Products right = in_image ? Products(pixels + x, image.stride) : Products();
+      if (column >= 2) sums[column - 1] = left + middle + right;
+      left = middle;
+      middle = right;
     }
     const int centre = y - 2;
     if (row < 2 || centre < inside.y0 || centre >= inside.y1) continue;
     for (int column = 1; column <= count; ++column) {
       const int x = x0 + 2 * (column - 1);
       if (x < inside.x0 || x >= inside.x1) continue;
-      Products sum = rows[0][column];
-      sum.add(rows[1][column]);
-      sum.add(rows[2][column]);
+      const Products sum = rows[0][column] + rows[1][column] + rows[2][column];
+      if ((sum.xx < sum.yy ? sum.xx : sum.yy) <= limit) continue;
       const float score = score_of(sum);
       if (score > best.score) {
         best = {static_cast<std::int16_t>(x), static_cast<std::int16_t>(centre), score};
+        limit = static_cast<std::int32_t>(score);
       }
     }
   }
   return best;
+}
+
+float texture_of(const ImageView& image, int x0, int y0, int size) {
+  const Rect square =
+      intersect({x0, y0, x0 + size, y0 + size}, {1, 1, image.width - 1, image.height - 1});
+  Products sum;
+  for (int y = square.y0; y < square.y1; y += 2) {
+    const std::uint8_t* const row = image.row(y);
+    for (int x = square.x0; x < square.x1; x += 2) sum = sum + Products(row + x, image.stride);
+  }
+  return score_of(sum);
 }
 
 }  // namespace cairn

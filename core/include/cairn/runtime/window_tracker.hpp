@@ -16,15 +16,15 @@ namespace cairn {
 
 namespace work {
 
-inline constexpr int kWindowFrame = 120;  ///< prediction, lists, reports
-inline constexpr int kWindowNewest = 60;  ///< of a keyframe: choice of the one to drop
+inline constexpr int kWindowFrame = 120;   ///< prediction, lists, reports
+inline constexpr int kWindowNewest = 130;  ///< of a keyframe: the one to drop, the typical depth
 /// estimate_window_pose() with `sightings`, ten iterations.
 inline constexpr int window_pose(int sightings) {
   return 20 + 8 * sightings;
 }
-/// QuarterImage::take().
-inline constexpr int quarter_image(int width, int height) {
-  return 1 + width * height / 800;
+/// ShrunkImage::take().
+inline constexpr int shrunk_image(int width, int height) {
+  return 1 + width * height / (shrink_factor(width, height) == 2 ? 300 : 450);
 }
 
 }  // namespace work
@@ -84,15 +84,29 @@ class WindowTracker {
       const bool parts = ok(window.validate()) && ok(features.validate()) &&
                          ok(rotation.validate()) && ok(memory.validate());
       const bool good = parts && is_positive(sigma_px) && is_positive(keyframe_parallax_px) &&
-                        share(keyframe_share) && keyframe_frames >= 1 && is_finite(standing_px) && standing_px >= 0.0F && min_inliers >= 4 &&
-                        share(min_inlier_share) && max_outliers >= 1 && max_outliers < 255 &&
-                        is_finite(forget_s) && forget_s >= 0.0F && astray_features >= 0 &&
-                        weak_frames >= 0 && is_positive(known_depth) && is_finite(focal_sigma) &&
-                        focal_sigma >= 0.0F && is_positive(covariance_factor) &&
-                        is_finite(blind_rate_radps) && blind_rate_radps >= 0.0F &&
-                        work_limit >= 0 && max_step_us > 0 &&
+                        share(keyframe_share) && keyframe_frames >= 1 && is_finite(standing_px) &&
+                        standing_px >= 0.0F && min_inliers >= 4 && share(min_inlier_share) &&
+                        max_outliers >= 1 && max_outliers < 255 && is_finite(forget_s) &&
+                        forget_s >= 0.0F && astray_features >= 0 && weak_frames >= 0 &&
+                        is_positive(known_depth) && is_finite(focal_sigma) && focal_sigma >= 0.0F &&
+                        is_positive(covariance_factor) && is_finite(blind_rate_radps) &&
+                        blind_rate_radps >= 0.0F && work_limit >= 0 && max_step_us > 0 &&
                         max_step_us <= FrameInput::kLongestStepUs;
       return good ? Status::kOk : Status::kBadConfig;
+    }
+    /// Lengths in pixels are those of a picture whose longer side has 640: the same for another
+    /// size. The error of a feature's pixel grows by the root alone: part of it is the view's blur,
+    /// part that of the search.
+    Parameters scaled_to(int width, int height) const {
+      const float size = static_cast<float>(width > height ? width : height) / 640.0F;
+      Parameters scaled = *this;
+      scaled.sigma_px *= sqrt(size);
+      scaled.keyframe_parallax_px *= size;
+      scaled.standing_px *= size;
+      scaled.features.border_px *= size;
+      scaled.memory.inlier_px *= size;
+      scaled.memory.recogniser.ransac.inlier_px *= size;
+      return scaled;
     }
   };
 
@@ -144,6 +158,7 @@ class WindowTracker {
     float parallax = 0.0F;  ///< what is left of it without the turn
   };
   static constexpr int kStepsOfClock = 4;
+  static constexpr int kLeastKeyframe = 3;    ///< part of the cells without features, at least
   static constexpr int kMostWithoutStep = 4;  ///< frames; then the searches leave work for one
 
   Status track(FrameContext& frame, const FrameStep& step, StageTimer& timer);
@@ -202,7 +217,9 @@ class WindowTracker {
   int weak_frames_ = 0;
   int since_keyframe_ = 0;
   int frames_without_step_ = 0;
-  int at_keyframe_ = 0;  ///< features, after the last one
+  int keyframe_work_ = 0;  ///< units that one put off needs; 0: none was
+  int reserved_ = 0;       ///< of these, in the present frame
+  int at_keyframe_ = 0;    ///< features, after the last one
   WindowSighting<float> sightings_[kMaxFeatures];
   int sighted_[kMaxFeatures] = {};  ///< feature of each
 };

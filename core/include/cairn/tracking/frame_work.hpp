@@ -33,6 +33,7 @@ class FrameWork {
   }
   WorkBudget& budget() { return budget_; }
   bool affords(int units) const { return budget_.affords(units); }
+  int left() const { return budget_.left(); }
   bool take(int units) {
     if (!budget_.affords(units)) return false;
     budget_.spend(units);

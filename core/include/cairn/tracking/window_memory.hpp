@@ -43,16 +43,16 @@ class WindowMemory {
 
   struct Parameters {
     typename Recogniser::Parameters recogniser;
-    int wide_radius_px = 8;    ///< in the quarter image, about where a landmark should be
+    int wide_radius_px = 8;    ///< in the shrunk image, about where a landmark should be
     int narrow_radius_px = 3;  ///< same, once the landmarks agreed on a pose
-    int least_q15 = 19661;     ///< correlation in the quarter image, 0.6
+    int least_q15 = 19661;     ///< correlation in the shrunk image, 0.6
     float inlier_px = 6.0F;
     int min_found = 12;            ///< landmarks that make a place,
     float min_found_share = 0.3F;  ///< and of those sought
     int reuse_visits = 64;         ///< library landmarks, in a frame
     int reuse_searches = 4;        ///< of these
     int reuse_q15 = 26214;         ///< correlation, 0.8
-    int reuse_radius_px = 2;       ///< in the quarter image
+    int reuse_radius_px = 2;       ///< in the shrunk image
     int min_library = 16;          ///< landmarks; with fewer a lost tracker begins its map anew
     int mature_sightings = 10;  ///< a feature is archived at so many, and its record renewed each
                                 ///< time that the number doubles
@@ -101,11 +101,9 @@ class WindowMemory {
   /// capture_work().
   bool wants_points() const { return stage_ == Stage::kIdle; }
   static int capture_work(const ImageView& image) {
-    return Recogniser::kMaxPoints * work::kDescriptor +
-           work::texture_points(image.width * image.height /
-                                    (Features::Candidates::kCell * Features::Candidates::kCell),
-                                Features::Candidates::kCell) +
-           kSelection;
+    constexpr int kCell = Features::Candidates::kCell;
+    return Recogniser::kMaxPoints * (work::kDescriptor + work::texture_point(kCell)) +
+           work::texture_cells(image.width * image.height / (kCell * kCell), kCell) + kSelection;
   }
   /// Whether the next image is to confirm a place: the frame then should leave confirm_work().
   bool wants_to_confirm() const { return stage_ == Stage::kFound || stage_ == Stage::kProposed; }
@@ -153,7 +151,7 @@ class WindowMemory {
   Library library_;
   Health health_;
   Recogniser recogniser_;
-  SmallTemplate quarter_[LibraryConfig::kLibraryLandmarks];  ///< of each slot, as archived
+  SmallTemplate coarse_[LibraryConfig::kLibraryLandmarks];  ///< of each slot, as archived
   Stage stage_ = Stage::kIdle;
   int next_slot_ = 0;            ///< before the next one that reuse() visits
   int host_ = -1;                ///< of reused landmarks, in the window, until its next keyframe
@@ -241,7 +239,7 @@ void WindowMemory<Config>::archive(FrameContext& frame, const Window& window,
   const Status status = library_.find(landmark.id) < 0 ? library_.insert(landmark, health_)
                                                        : library_.update(landmark);
   if (ok(status)) {
-    quarter_[library_.find(landmark.id)] = feature.quarter;
+    coarse_[library_.find(landmark.id)] = feature.coarse;
     ++frame.health.landmarks_archived;
   }
   feature.in_library = true;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "cairn/numeric/math.hpp"
 #include "cairn/vision/image.hpp"
 
 namespace cairn {
@@ -20,9 +21,13 @@ struct TexturePoint {
 /// image's border count. Cost: (size / 2 + 2)^2 gradients.
 TexturePoint best_texture(const ImageView& image, int x0, int y0, int size, int margin);
 
-/// Candidates for features that are found again by their grey values: the best point of each cell
-/// of a picture, but for cells near those that are known. Unlike FAST corners there always are
-/// some, in blurred pictures too.
+/// Noble's score of a square of a picture, `size` pixels each side, as a whole: every second pixel
+/// of every second row, but those at the picture's border. Cost: (size / 2)^2 gradients.
+float texture_of(const ImageView& image, int x0, int y0, int size);
+
+/// Candidates for features that are found again by their grey values: cells of a picture, rated by
+/// their texture as a whole, but for cells near those that are known; and the best point of a cell.
+/// Unlike FAST corners there always are some, in blurred pictures too.
 template <int MaxWidth, int MaxHeight>
 class TexturePoints {
  public:
@@ -46,25 +51,42 @@ class TexturePoints {
     for (int i = 0; i < columns_ * rows_; ++i) count += closed_[i] ? 0 : 1;
     return count;
   }
-  /// Finds the points of the open cells. Cost: best_texture() of each.
-  void find(const ImageView& image, int margin) {
+  /// Rates the open cells: their points are their middles, until refine(). Cost: texture_of() of
+  /// each.
+  void rate(const ImageView& image) {
     for (int i = 0; i < columns_ * rows_; ++i) {
       if (closed_[i]) continue;
-      points_[i] = best_texture(image, i % columns_ * kCell, i / columns_ * kCell, kCell, margin);
+      const int x = i % columns_ * kCell;
+      const int y = i / columns_ * kCell;
+      points_[i].x = static_cast<std::int16_t>(x + kCell / 2);
+      points_[i].y = static_cast<std::int16_t>(y + kCell / 2);
+      points_[i].score = texture_of(image, x, y, kCell);
     }
+  }
+  /// The best point of a cell takes the place of its middle; a cell without one is closed. Cost:
+  /// best_texture().
+  TexturePoint refine(int cell, const ImageView& image, int margin) {
+    points_[cell] =
+        best_texture(image, cell % columns_ * kCell, cell / columns_ * kCell, kCell, margin);
+    if (!(points_[cell].score > 0.0F)) closed_[cell] = true;
+    return points_[cell];
   }
   /// Closes all cells but the best of each block of `side` x `side`, and of those all but about the
   /// `most` best. Cost: some passes over the cells.
   void keep_best(int side, int most);
+  void close(int cell) { closed_[cell] = true; }
   int cells() const { return columns_ * rows_; }
   bool is_open(int cell) const { return !closed_[cell]; }
   const TexturePoint& operator[](int cell) const { return points_[cell]; }
 
-  /// The best point of the open cells, one with score 0 where there is none.
-  TexturePoint best() const {
-    TexturePoint best;
+  /// The open cell with the highest score, -1 where none has any.
+  int best() const {
+    int best = -1;
+    float score = 0.0F;
     for (int i = 0; i < columns_ * rows_; ++i) {
-      if (!closed_[i] && points_[i].score > best.score) best = points_[i];
+      if (closed_[i] || !(points_[i].score > score)) continue;
+      best = i;
+      score = points_[i].score;
     }
     return best;
   }
@@ -106,7 +128,7 @@ void TexturePoints<MaxWidth, MaxHeight>::keep_best(int side, int most) {
   float low = 0.0F;
   if (better_than(low) > most) {
     // The score that `most` points exceed lies between low and high.
-    float high = best().score;
+    float high = points_[best()].score;
     for (int i = 0; i < kHalvings; ++i) {
       const float middle = 0.5F * (low + high);
       (better_than(middle) > most ? low : high) = middle;
@@ -121,15 +143,23 @@ void TexturePoints<MaxWidth, MaxHeight>::keep_best(int side, int most) {
 template <int MaxWidth, int MaxHeight>
 void TexturePoints<MaxWidth, MaxHeight>::close(float x, float y, float distance) {
   constexpr int kHalf = kCell / 2;
-  for (int i = 0; i < columns_ * rows_; ++i) {
-    if (closed_[i]) continue;
-    const TexturePoint& point = points_[i];
-    const bool found = point.score > 0.0F;
-    const int u = found ? point.x : i % columns_ * kCell + kHalf;
-    const int v = found ? point.y : i / columns_ * kCell + kHalf;
-    const float dx = static_cast<float>(u) - x;
-    const float dy = static_cast<float>(v) - y;
-    closed_[i] = dx * dx + dy * dy < distance * distance;
+  const auto cell = [](float v, int count) {
+    return clamp(static_cast<int>(v) / kCell, 0, count - 1);
+  };
+  const int last_row = cell(y + distance, rows_);
+  const int last_column = cell(x + distance, columns_);
+  for (int row = cell(y - distance, rows_); row <= last_row; ++row) {
+    for (int column = cell(x - distance, columns_); column <= last_column; ++column) {
+      const int i = row * columns_ + column;
+      if (closed_[i]) continue;
+      const TexturePoint& point = points_[i];
+      const bool found = point.score > 0.0F;
+      const int u = found ? point.x : column * kCell + kHalf;
+      const int v = found ? point.y : row * kCell + kHalf;
+      const float dx = static_cast<float>(u) - x;
+      const float dy = static_cast<float>(v) - y;
+      closed_[i] = dx * dx + dy * dy < distance * distance;
+    }
   }
 }
 

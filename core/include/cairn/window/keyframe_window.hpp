@@ -148,8 +148,8 @@ class KeyframeWindow {
  private:
   static constexpr T kFirstDamping = T(1e-4);
   // Units of step_work().
-  static constexpr int kStepBase = 60;
-  static constexpr int kStepLandmark = 3;
+  static constexpr int kStepBase = 140;
+  static constexpr int kStepLandmark = 4;
   static constexpr int kStepObservation = 1;
 
   struct Landmark {
@@ -205,6 +205,7 @@ class KeyframeWindow {
   int mirrored_ = 0;
   int left_ = 0;         ///< iterations of the present solution
   int mirror_left_ = 0;  ///< of the other one
+  T new_depth_ = T(0);   ///< inverse, of the newest keyframe's own landmarks; 0: not yet known
   T damping_ = kFirstDamping;
   T mirror_damping_ = kFirstDamping;
   System system_;

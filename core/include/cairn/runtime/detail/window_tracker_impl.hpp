@@ -10,15 +10,14 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
   if (ok(status)) status = parameters.validate();
   if (!ok(status)) return status;
-  WindowParameters<float> window = parameters.window;
-  window.sigma = parameters.sigma_px / camera.fx;
-  status = window_.initialise(window);
+  Parameters scaled = parameters.scaled_to(camera.width, camera.height);
+  scaled.window.sigma = scaled.sigma_px / camera.fx;
+  status = window_.initialise(scaled.window);
   if (!ok(status)) return status;
-  parameters_ = parameters;
-  parameters_.window = window;
+  parameters_ = scaled;
   camera_ = camera;
-  features_.reset(parameters.features);
-  memory_.reset(parameters.memory);
+  features_.reset(scaled.features);
+  memory_.reset(scaled.memory);
   motion_.reset();
   rotation_.reset(parameters.rotation);
   input_.reset(parameters.max_step_us);
@@ -36,7 +35,7 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   lost_attitude_.setZero();
   blind_s_ = typical_inverse_depth_ = astray_s_ = 0.0F;
   astray_ = returned_ = takes_points_ = false;
-  inliers_ = weak_frames_ = since_keyframe_ = frames_without_step_ = 0;
+  inliers_ = weak_frames_ = since_keyframe_ = frames_without_step_ = keyframe_work_ = 0;
   return Status::kOk;
 }
 
@@ -50,7 +49,7 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
   FrameContext frame{image, camera_, work_, random_, report, health_};
   StageTimer timer(ticks, report);
   work_.begin(work::kWindowFrame + work::repeated_image(image.width, image.height) +
-              work::quarter_image(image.width, image.height));
+              work::shrunk_image(image.width, image.height));
   Status status = Status::kRepeatedImage;
   if (repeated_.take(image) && state_ != TrackingState::kLost) {
     ++health_.repeated_images;
@@ -63,6 +62,7 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
     timer.end(Stage::kPreprocess);
     if (window_.keyframes() == 0) {
       status = begin_anew(frame) ? Status::kOk : Status::kLowTexture;
+      update_covariance();
       timer.end(Stage::kFeatures);
     } else {
       status = track(frame, step, timer);
@@ -150,16 +150,23 @@ Vector2<float> WindowTracker<Config>::expected_pixel(const WindowFeature& featur
 template <class Config>
 bool WindowTracker<Config>::search(FrameContext& frame, const Rigid<float>& predicted, int first,
                                    int last, int radius) {
-  const int each =
-      work::template_search(radius) + work::template_search(parameters_.features.full_radius_px);
+  const bool near = radius < parameters_.features.wide_radius_px;
+  const int each = work::template_search(radius) +
+                   (near ? 2 : 1) * work::template_search(parameters_.features.full_radius_px);
   const bool window_waits = window_.working() && frames_without_step_ >= kMostWithoutStep;
-  const int later = work::window_pose(kMaxFeatures) + (window_waits ? window_.step_work() : 0);
+  const int later = work::window_pose(first) + 2 * work::window_pose(kMaxFeatures) +
+                    (window_waits ? window_.step_work() : 0) + reserved_;
   for (int i = first; i < last; ++i) {
     if (!frame.work.affords(each + later)) {
       frame.work.raise_cut(i == 0 ? FrameCut::kPredictionOnly : FrameCut::kFewerUpdates);
       return false;
     }
-    features_.search(frame, i, expected_pixel(features_[i], predicted), radius);
+    const Vector2<float> expected = expected_pixel(features_[i], predicted);
+    if (near) {
+      features_.search_near(frame, i, expected, radius);
+    } else {
+      features_.search(frame, i, expected, radius);
+    }
     ++frame.report.searched;
   }
   return true;
@@ -173,6 +180,7 @@ void WindowTracker<Config>::find_features(FrameContext& frame, const Rigid<float
   const int most = takes_points_ ? parameters_.astray_features : features_.size();
   const int all = most < features_.size() ? most : features_.size();
   const int first = p.first_features < all ? p.first_features : all;
+  reserved_ = keyframe_work_ < frame.work.left() / 2 ? keyframe_work_ : frame.work.left() / 2;
   if (!search(frame, predicted, 0, first, p.wide_radius_px)) return;
   Rigid<float> pose = predicted;
   Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
@@ -200,28 +208,31 @@ int WindowTracker<Config>::gather(WindowSighting<float>* sightings, int* feature
   return count;
 }
 
-/// From where the camera is predicted and from where it was; the start with more inliers counts.
+/// From where the camera is predicted and, unless nearly all agree on that, from where it was; the
+/// start with more inliers counts.
 template <class Config>
 int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& predicted,
                                     Rigid<float>& pose) {
   WindowPoseOptions<float> options;
   options.sigma = parameters_.window.sigma;
   const int found = gather(sightings_, sighted_);
-  frame.work.spend(2 * work::window_pose(found));
+  frame.work.spend(work::window_pose(found));
   pose = predicted;
-  Rigid<float> standing = T_camera_world_;
   Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
-  const int from_standing = estimate_window_pose(sightings_, found, options, standing, covariance);
+  const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
+  if (inliers >= 0) frame_covariance_ = covariance;
+  if (inliers >= parameters_.min_inliers && 10 * inliers >= 9 * found) return inliers;
+  frame.work.spend(work::window_pose(found));
   bool inlier[kMaxFeatures];
   for (int i = 0; i < found; ++i) inlier[i] = sightings_[i].inlier;
-  if (from_standing >= 0) frame_covariance_ = covariance;
-  const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
+  Rigid<float> standing = T_camera_world_;
+  const int from_standing = estimate_window_pose(sightings_, found, options, standing, covariance);
   if (from_standing > inliers) {
     pose = standing;
-    for (int i = 0; i < found; ++i) sightings_[i].inlier = inlier[i];
+    frame_covariance_ = covariance;
     return from_standing;
   }
-  if (inliers >= 0) frame_covariance_ = covariance;
+  for (int i = 0; i < found; ++i) sightings_[i].inlier = inlier[i];
   return inliers;
 }
 
@@ -247,10 +258,19 @@ void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose
   blind_s_ = 0.0F;
 }
 
+/// A keyframe seeks new landmarks in as many cells as the frame's work affords. Where those would
+/// be too few, the next frame makes it, and searches less for it.
 template <class Config>
 void WindowTracker<Config>::keep_keyframes(FrameContext& frame) {
   const ViewChange change = view_change();
-  if (!wants_keyframe(change)) return;
+  const bool due = keyframe_work_ > 0;
+  if (!due && !wants_keyframe(change)) return;
+  const int least = work::kWindowNewest + features_.new_work(frame) / kLeastKeyframe;
+  if (!due && !frame.work.affords(least)) {
+    keyframe_work_ = least;
+    frame.work.raise_cut(FrameCut::kNoMapping);
+    return;
+  }
   static_cast<void>(make_keyframe(frame, change.parallax > parameters_.standing_px));
 }
 
@@ -307,8 +327,7 @@ bool WindowTracker<Config>::wants_keyframe(const ViewChange& change) const {
   const float least = parameters_.keyframe_share * static_cast<float>(at_keyframe_);
   return change.parallax > parameters_.keyframe_parallax_px || 2 * change.common < change.found ||
          static_cast<float>(change.found) < least ||
-         (since_keyframe_ >= parameters_.keyframe_frames &&
-          change.flow > parameters_.standing_px);
+         (since_keyframe_ >= parameters_.keyframe_frames && change.flow > parameters_.standing_px);
 }
 
 }  // namespace cairn

@@ -30,7 +30,7 @@ bool WindowTracker<Config>::make_keyframe(FrameContext& frame, bool moved) {
   const int added = features_.add(frame, window_, next_id_);
   at_keyframe_ = features_.size();
   window_.finish_keyframe(moved);
-  since_keyframe_ = 0;
+  since_keyframe_ = keyframe_work_ = 0;
   return added > 0;
 }
 
@@ -84,10 +84,15 @@ void WindowTracker<Config>::note_weak(FrameContext& frame) {
     memory_.forget();  // the new map has another frame
   }
   state_ = TrackingState::kLost;
-  static_cast<void>(begin_anew(frame));
+  features_.clear();
+  window_.clear();
+  if (frame.work.affords(work::kWindowNewest + features_.new_work(frame))) {
+    static_cast<void>(begin_anew(frame));
+  }
 }
 
-/// A new map where the camera is believed to be. False, still without one, where the picture shows
+/// A new map where the camera is believed to be; after a loss, by the next frame where this one
+/// spent its work on searches. False, still without one, where the picture shows
 /// too little.
 template <class Config>
 bool WindowTracker<Config>::begin_anew(FrameContext& frame) {

@@ -89,7 +89,7 @@ void WindowMemory<Config>::seek(FrameContext& frame, const Features& features, i
     if (!expected_view(frame, seen.slot, place_.T_map_camera, expected)) continue;
     ++place_.sought;
     frame.work.spend(work::template_search(radius));
-    if (features.find_coarsely(quarter_[seen.slot], expected, radius, parameters_.least_q15,
+    if (features.find_coarsely(coarse_[seen.slot], expected, radius, parameters_.least_q15,
                                seen.pixel)) {
       static_cast<void>(place_.seen.push_back(seen));
     }
@@ -174,7 +174,8 @@ void WindowMemory<Config>::take_place(FrameContext& frame, Window& window, Featu
 template <class Config>
 void WindowMemory<Config>::reuse(FrameContext& frame, Window& window, Features& features,
                                  const Rigid<float>& T_camera_world) {
-  const int search = work::template_search(parameters_.reuse_radius_px) + work::kWindowLandmark;
+  const int search = work::template_search(parameters_.reuse_radius_px) +
+                     work::window_landmark(Features::Candidates::kCell);
   const int visits =
       parameters_.reuse_visits < library_.size() ? parameters_.reuse_visits : library_.size();
   if (!frame.work.take(visits * work::kLibrarySlot / 2 + parameters_.reuse_searches * search)) {
@@ -192,7 +193,7 @@ void WindowMemory<Config>::reuse(FrameContext& frame, Window& window, Features& 
       continue;
     }
     ++searches;
-    if (features.find_coarsely(quarter_[seen.slot], expected, parameters_.reuse_radius_px,
+    if (features.find_coarsely(coarse_[seen.slot], expected, parameters_.reuse_radius_px,
                                parameters_.reuse_q15, seen.pixel) &&
         features.is_free(frame, seen.pixel)) {
       take(frame, window, features, seen, T_camera_world);

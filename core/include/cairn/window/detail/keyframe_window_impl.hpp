@@ -115,6 +115,7 @@ void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
   slot_of_[place] = static_cast<std::int8_t>(pose);
   order_.push_back(static_cast<std::int8_t>(place));
   ++started_;
+  new_depth_ = T(0);
   now().pose[pose] = T_camera_world;
   if (mirror_left_ == 0 || before < 0) return;
   // In the mirrored world the camera turned the same way and moved the other.
@@ -142,8 +143,11 @@ bool KeyframeWindow<T, Bounds>::newest_sees(int slot, Vector2<T>& seen) const {
 
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& seen) {
-  const T typical = typical_inverse_depth(newest_pose());
-  const T prior = typical > T(0) ? typical : parameters_.first_inverse_depth;
+  if (!(new_depth_ > T(0))) {
+    const T typical = typical_inverse_depth(newest_pose());
+    new_depth_ = typical > T(0) ? typical : parameters_.first_inverse_depth;
+  }
+  const T prior = new_depth_;
   const int slot =
       add_known_landmark(id, newest(), seen, prior, parameters_.depth_prior_sigma * prior);
   if (slot >= 0) observe(slot, seen);
