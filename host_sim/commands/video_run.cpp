@@ -38,10 +38,6 @@ namespace {
 constexpr int kHallSmallFrames = 60;
 constexpr int kRecordedAnchorFrames = 10;
 
-FrameRange range_of(const RunOptions& options) {
-  return {options.first_frame, options.max_frames};
-}
-
 /// A lens need be good in the part of the picture alone that is used.
 LensCheck lens_check(const RunOptions& options) {
   return options.crop.empty() ? LensCheck::kWholePicture : LensCheck::kLater;
@@ -52,6 +48,15 @@ LensCheck lens_check(const RunOptions& options) {
 bool draws(const RunOptions& options) {
   const bool tracked = !options.timing && !options.check_mount && !options.use_source;
   return tracked && !options.playback.backward;
+}
+
+/// Whether a second decoding in colour is worth its time: the few pictures of a report are not.
+bool in_colour(const RunOptions& options) {
+  return draws(options) && (options.video || options.view);
+}
+
+FrameRange range_of(const RunOptions& options) {
+  return {options.first_frame, options.max_frames, in_colour(options)};
 }
 
 Mode mode_of(const RunOptions& options, const SourceInfo& source) {
@@ -309,6 +314,7 @@ HallOptions hall_options(const RunOptions& options) {
   hall.first_frame = options.first_frame.value_or(0);
   if (hall.first_frame < 0) throw UsageError("--first-frame: the hall's frames start at 0");
   hall.frame_count = options.max_frames;
+  hall.colour = in_colour(options);
   return hall;
 }
 

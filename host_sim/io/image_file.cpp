@@ -58,7 +58,14 @@ PictureHeader checked_header(const fs::path& path, std::string_view bytes) {
                                      size.width, size.height, width, height));
 }
 
-cv::Mat decode(const fs::path& path, const cv::Size& size, bool any_depth) {
+enum class Decoded { kGrey, kGreyOfAnyDepth, kColour };
+
+int imread_mode(Decoded as) {
+  if (as == Decoded::kColour) return cv::IMREAD_COLOR;
+  return as == Decoded::kGrey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH;
+}
+
+cv::Mat decode(const fs::path& path, const cv::Size& size, Decoded as) {
   std::string bytes = read_bytes(path, kLargestPictureFile);
   const PictureHeader header = checked_header(path, bytes);
   if (!header.whole) throw InputError(path, "expected a whole image; the file is cut short");
@@ -67,14 +74,13 @@ cv::Mat decode(const fs::path& path, const cv::Size& size, bool any_depth) {
       size != cv::Size(header.height, header.width)) {
     refuse_size(path, size, header.width, header.height);
   }
-  if (header.bits == 16 && !any_depth) {
+  if (header.bits == 16 && as != Decoded::kGreyOfAnyDepth) {
     throw InputError(path, "expected 8 bits a pixel, found 16: convert the pictures");
   }
   cv::Mat picture;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());
-    picture = cv::imdecode(
-        encoded, any_depth ? cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH : cv::IMREAD_GRAYSCALE);
+    picture = cv::imdecode(encoded, imread_mode(as));
   } catch (const cv::Exception&) {
     picture.release();
   }
@@ -87,13 +93,18 @@ cv::Mat decode(const fs::path& path, const cv::Size& size, bool any_depth) {
 
 void read_grey_image(const fs::path& path, const cv::Size& size, cv::Mat& grey,
                      const std::optional<GreyLevels>& levels) {
-  const cv::Mat picture = decode(path, size, levels.has_value());
+  const cv::Mat picture =
+      decode(path, size, levels.has_value() ? Decoded::kGreyOfAnyDepth : Decoded::kGrey);
   if (picture.depth() == CV_8U) {
     grey = picture;
     return;
   }
   const double scale = 255.0 / std::max(1, levels->white - levels->black);
   picture.convertTo(grey, CV_8U, scale, -scale * levels->black);
+}
+
+cv::Mat read_colour_image(const fs::path& path, const cv::Size& size) {
+  return decode(path, size, Decoded::kColour);
 }
 
 PictureHeader read_picture_header_of(const fs::path& path) {
@@ -106,7 +117,7 @@ GreyLevels find_grey_levels(const std::vector<fs::path>& pictures) {
   std::vector<std::uint64_t> histogram(65536, 0);
   std::uint64_t pixels = 0;
   for (const fs::path& path : pictures) {
-    const cv::Mat picture = decode(path, {}, true);
+    const cv::Mat picture = decode(path, {}, Decoded::kGreyOfAnyDepth);
     if (picture.depth() != CV_16U) throw InputError(path, "expected 16 bits a pixel as before it");
     for (int y = 0; y < picture.rows; ++y) {
       const auto* row = picture.ptr<std::uint16_t>(y);

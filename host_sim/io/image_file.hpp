@@ -28,6 +28,10 @@ struct GreyLevels {
 void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv::Mat& grey,
                      const std::optional<GreyLevels>& levels = std::nullopt);
 
+/// Reads a picture of 8 bits as BGR; of a grey one the three are equal. Throws as
+/// read_grey_image().
+cv::Mat read_colour_image(const std::filesystem::path& path, const cv::Size& size);
+
 /// The header of a picture file. Throws InputError where it is no picture that is read.
 PictureHeader read_picture_header_of(const std::filesystem::path& path);
 

@@ -40,9 +40,9 @@ struct RunOptions {
   std::optional<int> first_frame;
   std::optional<int> max_frames;
   bool video = true;
-  bool view = false;                  ///< show the run in a window
-  std::string overlay = "wireframe";  ///< or shaded
-  std::filesystem::path record;       ///< input log to write; empty: none
+  bool view = false;               ///< show the run in a window
+  std::string overlay = "shaded";  ///< or wireframe
+  std::filesystem::path record;    ///< input log to write; empty: none
   std::string odometry_noise = "s1";
   std::optional<double> speed_sigma_mps;       ///< of a video's odometry
   std::optional<double> yaw_rate_sigma_radps;  ///< same

@@ -78,7 +78,7 @@ class CountedFrame {
 
  private:
   StageMarks marks_;
-  cairn::host::SceneObjects objects_{cairn::host::kVehicleObjectHeight};
+  cairn::host::SceneObjects objects_{cairn::host::kVehicleObjectHeight, cairn::host::kNearObjects};
 };
 
 Status replay(cairn::host::LogFile& file) {

@@ -106,6 +106,7 @@ class HallSource final : public FrameSource {
     if (next_ > options_.first_frame) frame.odometry.push_back(odometry_to(next_));
     renderer_.render(hall_.scene, T_world_camera, ideal_);
     sensor_.expose(ideal_, next_, 1e-6 * static_cast<double>(frame.t_us), frame.grey);
+    if (options_.colour) renderer_.colour(frame.grey, frame.colour);
     list_scene_points(T_world_camera, frame.scene_points);
     ++next_;
     return true;

@@ -13,6 +13,7 @@ struct HallOptions {
   int first_frame = 0;
   std::uint64_t seed = 1;
   double tilt_rad = 0.0;    ///< rms of pitch and roll; 0: a flat floor and a stiff vehicle
+  bool colour = false;      ///< gives Frame::colour too
   bool base_noise = false;  ///< odometry noise `base` instead of `s1`
 };
 

@@ -13,8 +13,8 @@ namespace {
 
 class ImageSequence final : public FrameSource {
  public:
-  ImageSequence(SourceInfo info, std::vector<SequenceFrame> frames)
-      : info_(std::move(info)), frames_(std::move(frames)) {
+  ImageSequence(SourceInfo info, std::vector<SequenceFrame> frames, bool in_colour)
+      : info_(std::move(info)), frames_(std::move(frames)), in_colour_(in_colour) {
     info_.frame_count = static_cast<int>(frames_.size());
     std::vector<std::filesystem::path> images;
     for (const SequenceFrame& frame : frames_) images.push_back(frame.image);
@@ -36,12 +36,14 @@ class ImageSequence final : public FrameSource {
     frame = entry.known;
     frame.grey = storage;
     read_grey_image(entry.image, {info_.camera.width, info_.camera.height}, frame.grey, levels_);
+    if (in_colour_ && !levels_) frame.colour = read_colour_image(entry.image, frame.grey.size());
     return true;
   }
 
  private:
   SourceInfo info_;
   std::vector<SequenceFrame> frames_;
+  bool in_colour_;
   std::optional<GreyLevels> levels_;
   std::size_t position_ = 0;
 };
@@ -64,16 +66,16 @@ void keep_range(const FrameRange& range, const std::filesystem::path& where,
   frames.front().known.odometry.clear();
 }
 
-std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info,
-                                                 std::vector<SequenceFrame> frames) {
-  return std::make_unique<ImageSequence>(std::move(info), std::move(frames));
+std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<SequenceFrame> frames,
+                                                 bool in_colour) {
+  return std::make_unique<ImageSequence>(std::move(info), std::move(frames), in_colour);
 }
 
 std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<SequenceFrame> frames,
                                                  const FrameRange& range,
                                                  const std::filesystem::path& where) {
   keep_range(range, where, frames);
-  return make_image_sequence(std::move(info), std::move(frames));
+  return make_image_sequence(std::move(info), std::move(frames), range.in_colour);
 }
 
 }  // namespace cairn::host

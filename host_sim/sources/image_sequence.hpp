@@ -12,6 +12,7 @@ namespace cairn::host {
 struct FrameRange {
   std::optional<int> first;
   std::optional<int> count;
+  bool in_colour = false;  ///< gives Frame::colour too, where the pictures have 8 bits
 };
 
 /// A frame whose picture is still on disk.
@@ -27,8 +28,8 @@ void keep_range(const FrameRange& range, const std::filesystem::path& where,
 /// Frames from picture files, one or more, all of `frames`; pictures of 16 bits are shown by the
 /// levels that they use. `info.frame_count` and `info.inputs` are completed
 /// from `frames`.
-std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info,
-                                                 std::vector<SequenceFrame> frames);
+std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<SequenceFrame> frames,
+                                                 bool in_colour);
 
 /// The same for a range of them; errors as keep_range().
 std::unique_ptr<FrameSource> make_image_sequence(SourceInfo info, std::vector<SequenceFrame> frames,

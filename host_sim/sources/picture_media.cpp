@@ -75,6 +75,11 @@ class PictureMedia final : public Media {
     return true;
   }
 
+  cv::Mat colour() const override {
+    if (levels_.has_value() || position_ == 0) return {};
+    return read_colour_image(info_.inputs[position_ - 1], size_);
+  }
+
   std::string missing() const override { return {}; }
   bool is_damaged() const override { return false; }
 

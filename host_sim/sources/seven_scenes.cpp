@@ -39,7 +39,7 @@ std::unique_ptr<FrameSource> make_seven_scenes_source(const std::filesystem::pat
   keep_range(range, folder, frames);
   const int points = add_scene_tracks(info.camera, SceneTrackSettings{}, frames);
   info.note += fmt::format("; {} scene points triangulated with the reference poses", points);
-  return make_image_sequence(std::move(info), std::move(frames));
+  return make_image_sequence(std::move(info), std::move(frames), range.in_colour);
 }
 
 }  // namespace cairn::host

@@ -18,6 +18,27 @@ constexpr double kFurniturePxPerM = 200.0;
 
 enum class Kind { kCrate, kBooks, kCabinet, kPillar, kTable };
 
+/// Blue, green, red of 128 grey, about as bright as that.
+const cv::Vec3b kWallTints[4] = {
+    {112, 126, 136}, {122, 130, 124}, {116, 128, 130}, {128, 128, 124}};
+const cv::Vec3b kFloorTint(104, 124, 144);
+const cv::Vec3b kCeilingTint(128, 128, 128);
+
+cv::Vec3b tint_of(Kind kind) {
+  switch (kind) {
+    case Kind::kCrate:
+      return {64, 122, 164};
+    case Kind::kBooks:
+      return {100, 118, 156};
+    case Kind::kCabinet:
+      return {150, 130, 112};
+    case Kind::kPillar:
+      return {124, 128, 128};
+    default:
+      return {84, 122, 156};
+  }
+}
+
 /// A box on the floor: centre, extents, all along the axes.
 struct Furniture {
   Kind kind;
@@ -91,8 +112,8 @@ class HallBuilder {
   }
 
   void add_quad(const Vector3<double>& origin, const Vector3<double>& edge_s,
-                const Vector3<double>& edge_t, int texture, int gain) {
-    hall_.scene.quads.push_back({origin, edge_s, edge_t, texture, gain});
+                const Vector3<double>& edge_t, int texture, int gain, const cv::Vec3b& tint) {
+    hall_.scene.quads.push_back({origin, edge_s, edge_t, texture, gain, tint});
   }
 
   void add_walls() {
@@ -108,7 +129,8 @@ class HallBuilder {
       const std::vector<WallPicture> pictures = pictures_of(wall);
       const int texture =
           add_texture(paint_wall(2 * kHalf, kHeight, kWallPxPerM, wall, pictures, random_));
-      add_quad(left_top[wall], 2 * kHalf * right[wall], down, texture, gains[wall]);
+      add_quad(left_top[wall], 2 * kHalf * right[wall], down, texture, gains[wall],
+               kWallTints[wall]);
       for (const WallPicture& picture : pictures) {
         const Vector3<double> foot = left_top[wall] + Vector3<double>(0, 0, -kHeight);
         const double top = picture.bottom_m + picture.height_m;
@@ -125,10 +147,11 @@ class HallBuilder {
     cv::Mat floor = paint_floor(side, kFloorPxPerM, random_);
     draw_lane(floor);
     for (const Furniture& item : furniture()) darken_below(floor, item);
-    add_quad({-kHalf, kHalf, 0}, {2 * kHalf, 0, 0}, {0, -2 * kHalf, 0}, add_texture(floor), 256);
+    add_quad({-kHalf, kHalf, 0}, {2 * kHalf, 0, 0}, {0, -2 * kHalf, 0}, add_texture(floor), 256,
+             kFloorTint);
     const int ceiling_side = round_to_int(2 * kHalf * kCeilingPxPerM);
     add_quad({-kHalf, -kHalf, kHeight}, {2 * kHalf, 0, 0}, {0, 2 * kHalf, 0},
-             add_texture(paint_ceiling(ceiling_side, kCeilingPxPerM, random_)), 215);
+             add_texture(paint_ceiling(ceiling_side, kCeilingPxPerM, random_)), 215, kCeilingTint);
   }
 
   static cv::Point floor_px(double x, double y) {
@@ -216,13 +239,13 @@ class HallBuilder {
     for (const Side& side : sides) {
       if (touches_wall(side.outward)) continue;
       const cv::Mat image = paint_side(item, side.edge_s.norm(), item.size_z, side.front, number);
-      add_quad(side.origin, side.edge_s, down, add_texture(image), side.gain);
+      add_quad(side.origin, side.edge_s, down, add_texture(image), side.gain, tint_of(item.kind));
     }
     if (item.kind != Kind::kPillar) {
       const cv::Mat top =
           paint_table_top(std::max(16, round_to_int(item.size_x * kFurniturePxPerM)),
                           std::max(16, round_to_int(item.size_y * kFurniturePxPerM)), random_);
-      add_quad({low.x(), high.y(), high.z()}, ex, -ey, add_texture(top), 256);
+      add_quad({low.x(), high.y(), high.z()}, ex, -ey, add_texture(top), 256, tint_of(item.kind));
     }
   }
 

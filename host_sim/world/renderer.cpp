@@ -90,6 +90,7 @@ bool Renderer::project(const Scene& scene, const Quad& quad, const Rigid<double>
   projected.one_over_z = affine(2);
   projected.texture = &scene.textures[quad.texture];
   projected.gain = quad.gain;
+  projected.tint = quad.tint;
   projected.nearest_m = nearest;
   projected.corner_count = count;
   return true;
@@ -163,6 +164,22 @@ MipTexture::Lod Renderer::lod_at(const Projected& projected, double u, double v)
   const double area = std::abs(s_u * t_v - s_v * t_u);
   const double longest = std::max(s_u * s_u + t_u * t_u, s_v * s_v + t_v * t_v);
   return projected.texture->lod(static_cast<float>(std::sqrt(area * longest)));
+}
+
+void Renderer::colour(const cv::Mat& grey, cv::Mat& picture) const {
+  picture.create(grey.size(), CV_8UC3);
+  std::vector<cv::Vec3b> tints = {{128, 128, 128}};
+  for (const Projected& projected : projected_) tints.push_back(projected.tint);
+  for (int y = 0; y < grey.rows; ++y) {
+    const std::uint8_t* from = grey.ptr<std::uint8_t>(y);
+    const std::uint16_t* ids = &id_[static_cast<std::size_t>(y) * camera_.width];
+    cv::Vec3b* to = picture.ptr<cv::Vec3b>(y);
+    for (int x = 0; x < grey.cols; ++x) {
+      const cv::Vec3b& tint = tints[ids[x]];
+      for (int c = 0; c < 3; ++c)
+        to[x][c] = cv::saturate_cast<std::uint8_t>(from[x] * tint[c] >> 7);
+    }
+  }
 }
 
 void Renderer::smooth_silhouettes(cv::Mat& image) {

@@ -19,7 +19,8 @@ struct Quad {
   Vector3<double> edge_s;
   Vector3<double> edge_t;
   int texture = 0;
-  int gain = 256;  ///< light on it, 256 = as painted
+  int gain = 256;                    ///< light on it, 256 = as painted
+  cv::Vec3b tint = {128, 128, 128};  ///< blue, green, red that a colour picture has of 128 grey
 };
 
 struct Scene {
@@ -35,6 +36,10 @@ class Renderer {
 
   /// `image` receives intensity * 16 (CV_16UC1). The scene must outlive the call.
   void render(const Scene& scene, const Rigid<double>& T_world_camera, cv::Mat& image);
+
+  /// `grey`, what a sensor made of the picture last rendered, in the colours of its surfaces
+  /// (CV_8UC3).
+  void colour(const cv::Mat& grey, cv::Mat& picture) const;
 
   /// 1 / z of the surface last rendered at a pixel, 1/m; 0 where there is none.
   float inverse_depth(int x, int y) const {
@@ -56,6 +61,7 @@ class Renderer {
     Affine one_over_z;
     const MipTexture* texture = nullptr;
     int gain = 256;
+    cv::Vec3b tint;
     double nearest_m = 0.0;
     int corner_count = 0;
     Vector2<double> corners[5];

@@ -76,6 +76,11 @@ TEST(Euroc, TimesCameraAndTheCamerasTruePoses) {
     EXPECT_NEAR((ahead - Vector3<double>(0.11, 3.2, 3.3)).norm(), 0.0, 1e-9);
   }
   EXPECT_EQ(all_frames(*make_euroc_source(folder.path(), {}, {1, 1})).front().number, 1);
+  const auto colour = [&](bool wanted) {
+    return all_frames(*make_euroc_source(folder.path(), {}, {{}, 1, wanted})).front().colour.size();
+  };
+  EXPECT_EQ(colour(true), cv::Size(64, 48));
+  EXPECT_EQ(colour(false), cv::Size());
 }
 
 TEST(Euroc, AFisheyeOfTumViIsCroppedAndSixteenBitsAreShown) {

@@ -223,6 +223,29 @@ TEST(VideoSource, ColourIsTurnedCroppedAndScaledAsTheGreyPicture) {
   EXPECT_GT(frame.colour.at<cv::Vec3b>(120, 20)[0], 150);
 }
 
+TEST(VideoSource, AFolderOfColourPicturesHasColourWhereItIsWanted) {
+  const TemporaryFolder folder;
+  const auto pictures = folder.path() / "pictures";
+  std::filesystem::create_directory(pictures);
+  for (const int red : {40, 220}) {
+    const cv::Mat picture(240, 320, CV_8UC3, cv::Scalar(20, 60, red));
+    cv::imwrite((pictures / (red == 40 ? "0.png" : "1.png")).string(), picture);
+  }
+  VideoOptions options;
+  options.media = pictures;
+  options.hfov_deg = 40.0;
+  Frame frame;
+  ASSERT_TRUE(make_video_source(options)->next(frame));
+  EXPECT_TRUE(frame.colour.empty());
+  options.colour = true;
+  const auto source = make_video_source(options);
+  for (const int red : {40, 220}) {
+    ASSERT_TRUE(source->next(frame));
+    ASSERT_EQ(frame.colour.size(), frame.grey.size());
+    EXPECT_EQ(frame.colour.at<cv::Vec3b>(100, 100), cv::Vec3b(20, 60, static_cast<uchar>(red)));
+  }
+}
+
 TEST(VideoSource, TimesOfAContainerThatStandStillAreRefused) {
   const TemporaryFolder folder;
   std::vector<int> durations(20, 33);

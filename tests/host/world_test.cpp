@@ -1,9 +1,12 @@
 #include <cmath>
 
 #include <gtest/gtest.h>
+#include <opencv2/imgproc.hpp>
 
 #include "cairn/base/hash.hpp"
 
+#include "host_sim/base/core_conversions.hpp"
+#include "host_sim/replay/scene_objects.hpp"
 #include "host_sim/sources/hall_source.hpp"
 #include "host_sim/world/drive.hpp"
 #include "host_sim/world/hall.hpp"
@@ -31,6 +34,66 @@ TEST(LapDrive, ClosesItsLapAtConstantSpeed) {
     before = pose;
   }
   EXPECT_NEAR(length, 44.0, 1e-3);
+}
+
+/// A tracker that knows the truth: what augment() asks of one.
+struct TrueDrive {
+  Rigid<float> T_map_vehicle;
+  PinholeCamera<float> camera;
+  TrackingState state() const { return TrackingState::kTracking; }
+};
+
+bool find_object_place(const TrueDrive& drive, ObjectPlacement& placement, Rigid<float>& place) {
+  place = drive.T_map_vehicle;
+  place.translation = drive.T_map_vehicle * placement.p_vehicle_object;
+  return true;
+}
+
+PinholeCamera<float> drawing_camera(const TrueDrive& drive) {
+  return drive.camera;
+}
+
+TEST(Demo, AnObjectIsInViewInNearlyEveryFrameOfALap) {
+  constexpr int kFrames = 2387;
+  HallOptions options;
+  const SourceInfo info = make_hall_source(options)->info();
+  SceneObjects objects(kVehicleObjectHeight);
+  const LapDrive laps;
+  TrueDrive drive;
+  drive.camera = {500.0F, 500.0F, 319.5F, 239.5F, 0, 0, 0, 0, 0, 640, 480};
+  cv::Mat blank(480, 640, CV_8UC1);
+  int in_view = 0;
+  for (int k = 0; k < kFrames; ++k) {
+    const Rigid<double> pose = to_rigid(laps.pose_at_time(k / 30.0));
+    drive.T_map_vehicle = {pose.rotation.cast<float>(), pose.translation.cast<float>()};
+    FrameReport report;
+    const Rigid<double> T_world_camera = pose * info.T_vehicle_camera;
+    report.T_map_camera = {T_world_camera.rotation.cast<float>(),
+                           T_world_camera.translation.cast<float>()};
+    blank.setTo(0);
+    objects.draw(drive, to_mutable_view(blank), TickSource{}, report);
+    in_view += cv::countNonZero(blank) > 20 ? 1 : 0;
+  }
+  EXPECT_GE(in_view, 0.95 * kFrames);
+}
+
+TEST(Renderer, ColoursAPictureByItsSurfaces) {
+  const std::unique_ptr<FrameSource> source = make_hall_source([] {
+    HallOptions options;
+    options.colour = true;
+    options.width = 320;
+    return options;
+  }());
+  Frame frame;
+  ASSERT_TRUE(source->next(frame));
+  ASSERT_EQ(frame.colour.size(), frame.grey.size());
+  ASSERT_EQ(frame.colour.type(), CV_8UC3);
+  cv::Mat grey, channels[3], apart;
+  cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
+  EXPECT_LT(cv::norm(grey, frame.grey, cv::NORM_L1) / static_cast<double>(grey.total()), 12.0);
+  cv::split(frame.colour, channels);
+  cv::absdiff(channels[0], channels[2], apart);
+  EXPECT_GT(cv::mean(apart)[0], 4.0);
 }
 
 PinholeCamera<double> test_camera() {
