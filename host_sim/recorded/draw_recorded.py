@@ -1,122 +1,132 @@
 #!/usr/bin/env python3
-"""Makes report.html of a recorded planar run from the files in a folder: path and map over the
-truth, position error and NEES over time, the figures. Usage: draw_recorded.py FOLDER"""
-import csv
-import html
-import io
-import json
-import pathlib
+"""Makes report.html of a recorded planar run, which has landmarks and no pictures, from the files in a folder: the page
+of every other run without its video. Usage: draw_recorded.py FOLDER"""
+import math
+import os
 import sys
-
-try:
-    import matplotlib
-except ImportError:
-    sys.exit(4)
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
+import types
 
 
-def columns(path):
-    with open(path, newline="") as file:
-        rows = list(csv.DictReader(file))
-    names = rows[0].keys() if rows else []
-    return {n: np.array([float(r[n]) if r[n] else np.nan for r in rows]) for n in names}
+def page_library():
+    """report.py: carried along by cairn_sim (PARTS), else in the folder beside."""
+    carried = globals().get("PARTS")
+    if carried is None:
+        sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../reports"))
+        import report
+        return report
+    library = types.ModuleType("report")
+    library.PARTS = carried
+    exec(compile(carried["report.py"], "report.py", "exec"), library.__dict__)
+    return library
 
 
-def align(points, target):
-    """Best rotation and translation in the plane, where both are known."""
-    known = ~np.isnan(target[:, 0])
-    a, b = points[known], target[known]
-    ca, cb = a.mean(0), b.mean(0)
-    cosine = np.sum((a - ca) * (b - cb))
-    sine = np.sum((a - ca)[:, 0] * (b - cb)[:, 1] - (a - ca)[:, 1] * (b - cb)[:, 0])
-    angle = np.arctan2(sine, cosine)
-    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    return lambda p: (p - ca) @ rotation.T + cb
+page = page_library()
 
 
-def svg(figure):
-    figure.tight_layout()
-    text = io.StringIO()
-    figure.savefig(text, format="svg", metadata={"Date": None})
-    plt.close(figure)
-    return text.getvalue()[text.getvalue().index("<svg"):]
+def plane_fit(points, truth):
+    """Rotation and translation in the plane that lay `points` over `truth` best, as a function."""
+    n = len(points)
+    (ax, ay), (bx, by) = ([sum(p[k] for p in side) / n for k in (0, 1)] for side in (points, truth))
+    cosine = sine = 0.0
+    for (x, y), (u, v) in zip(points, truth):
+        cosine += (x - ax) * (u - bx) + (y - ay) * (v - by)
+        sine += (x - ax) * (v - by) - (y - ay) * (u - bx)
+    angle = math.atan2(sine, cosine)
+    c, s = math.cos(angle), math.sin(angle)
+    return lambda p: (c * (p[0] - ax) - s * (p[1] - ay) + bx, s * (p[0] - ax) + c * (p[1] - ay) + by)
 
 
-def draw_field(samples, landmarks, aligned):
-    path = np.column_stack([samples["x_m"], samples["y_m"]])
-    truth = np.column_stack([samples["true_x_m"], samples["true_y_m"]])
-    move = align(path, truth) if aligned and not np.all(np.isnan(truth)) else (lambda p: p)
-    figure, axes = plt.subplots(figsize=(6.5, 6.5))
-    axes.plot(truth[:, 0], truth[:, 1], color="0.6", linewidth=2.0, label="truth")
-    path = move(path)
-    axes.plot(path[:, 0], path[:, 1], linewidth=0.9, color="#2166ac", label="estimate")
+def floats(column):
+    return [float(v) if v else None for v in column]
+
+
+def frame_at(times_s, t_s):
+    """The last frame at `t_s` or before."""
+    low, high = 0, len(times_s)
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (middle + 1, high) if times_s[middle] <= t_s + 1e-6 else (low, middle)
+    return max(0, low - 1)
+
+
+def path_of(samples, landmarks, aligned, times_s):
+    """What the page draws of the path."""
+    estimate = list(zip(floats(samples["x_m"]), floats(samples["y_m"])))
+    truth = list(zip(floats(samples["true_x_m"]), floats(samples["true_y_m"])))
+    known = [i for i, p in enumerate(truth) if p[0] is not None]
+    move = (lambda p: p)
+    if aligned and known:
+        move = plane_fit([estimate[i] for i in known], [truth[i] for i in known])
+    error, at = [None] * len(times_s), []
+    for i, t in enumerate(floats(samples["t_s"])):
+        frame, point = frame_at(times_s, t), move(estimate[i])
+        at.append([frame, page.rounded(point[0]), page.rounded(point[1])])
+        if truth[i][0] is not None:
+            error[frame] = page.rounded(math.dist(point, truth[i]))
+    points, ellipses = [], []
     if landmarks:
-        points = move(np.column_stack([landmarks["x_m"], landmarks["y_m"]]))
-        axes.plot(points[:, 0], points[:, 1], "x", color="#b2182b", label="landmarks")
-        axes.plot(landmarks["true_x_m"], landmarks["true_y_m"], "k+", markersize=9)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x, m")
-    axes.set_ylabel("y, m")
-    axes.legend(fontsize=8)
-    axes.grid(alpha=0.3)
-    return svg(figure), np.hypot(*(path - truth).T)
+        for x, y, xx, xy, yy in zip(*(floats(landmarks[k]) for k in (
+                "x_m", "y_m", "var_x_m2", "cov_xy_m2", "var_y_m2"))):
+            origin, ahead = move((x, y)), move((x + 1.0, y))
+            turn = math.atan2(ahead[1] - origin[1], ahead[0] - origin[0])
+            long, short, angle = page.ellipse([[xx, xy], [xy, yy]], 0, 1)
+            points.append([page.rounded(v) for v in origin])
+            ellipses.append([*points[-1], long, short, page.rounded(angle + turn)])
+    return {"axes": ["x", "y"], "unit": "m", "flip": False, "estimate": at,
+            "truth": [[page.rounded(x), page.rounded(y)] for x, y in truth if x is not None],
+            "landmarks": points, "whole": True, "ellipses": ellipses, "error": error, "sigma": [None] * len(times_s)}
 
 
-def draw_errors(samples, error, nees):
-    figure, axes = plt.subplots(2 if nees else 1, 1, figsize=(6.5, 5.0), sharex=True, squeeze=False)
-    axes[0][0].plot(samples["t_s"], error, linewidth=0.8)
-    axes[0][0].set_ylabel("position error, m")
-    if nees:
-        axes[1][0].plot(samples["t_s"], samples["nees"], linewidth=0.8)
-        axes[1][0].axhspan(0.216, 9.348, color="0.85", label="95 % interval, 3 dof")
-        axes[1][0].set_yscale("log")
-        axes[1][0].set_ylabel("NEES")
-        axes[1][0].legend(fontsize=8)
-    axes[-1][0].set_xlabel("time, s")
-    for row in axes:
-        row[0].grid(alpha=0.3)
-    return svg(figure)
+def data_of(folder, summary):
+    """All that the charts draw; a frame is a step of the recording."""
+    frames, samples = page.read_csv(folder + "/frames.csv"), page.read_csv(folder + "/samples.csv")
+    if not frames or not samples:
+        return None
+    start = int(frames["t_us"][0])
+    times_s = [1e-6 * int(t) for t in frames["t_us"]]
+    nothing = [None] * len(times_s)
+    nees = list(nothing)
+    for t, value in zip(floats(samples["t_s"]), floats(samples["nees"])):
+        if value is not None and summary["nees"] is not None:
+            nees[frame_at(times_s, t)] = page.rounded(value)
+    return {
+        "frame": [int(n) for n in frames["frame"]],
+        "t": [round(1e-6 * (int(t) - start), 4) for t in frames["t_us"]],
+        "stages": [{"name": name, "ms": page.numbers(frames[key + "_ms"]), "budget": iekf}
+                   for key, name, iekf, _ in page.STAGES],
+        "total": page.numbers(frames["total_ms"]), "budget": summary["latency_ms"]["budget"],
+        "registration": nothing, "corners": nothing, "matches": page.numbers(frames["matches"]),
+        "inliers": page.numbers(frames["inliers"]), "landmarks": page.numbers(frames["landmarks"]),
+        "state": ["tracking"] * len(times_s), "nis": nothing, "nees": nees, "score": [], "angle": [], "events": {},
+        "path": path_of(samples, page.read_csv(folder + "/landmarks.csv"),
+                        summary["trajectory"]["aligned"] == "se2", times_s),
+        "video_rate": None, "pictures": []}
 
 
-def table(summary):
-    rows = []
+def cards(summary):
+    trajectory, latency, nees = summary["trajectory"], summary["latency_ms"], summary["nees"]
+    per_dof, rmse = summary["nis"]["mean_per_dof"], summary["map"]["rmse_m"]
+    return page.card_row([
+        ("steps", f"{summary['frames']}"),
+        ("latency p50 / p99", f"{latency['p50']:.3f} / {latency['p99']:.3f} ms"),
+        ("trajectory error", page.value(trajectory["ate_rmse_m"], 3, " m rms")
+         + f" ({page.shown(trajectory['aligned'])})"),
+        ("heading error", trajectory["heading_rmse_deg"] is not None
+         and page.value(trajectory["heading_rmse_deg"], 2, "&deg; rms")),
+        ("NEES", nees is not None and page.value(nees["mean"], 2) + " (3 is consistent)"),
+        ("NIS a degree of freedom", per_dof is not None and page.value(per_dof, 2) + " (1 is consistent)"),
+        ("landmarks", f"{summary['map']['landmarks']}"),
+        ("error of the map", rmse is not None and page.value(rmse, 3, " m rms"))])
 
-    def walk(prefix, value):
-        if isinstance(value, dict):
-            for key, inner in value.items():
-                walk(f"{prefix}{key} ", inner)
-        elif value is not None:
-            text = f"{value:.4g}" if isinstance(value, float) else str(value)
-            rows.append(f"<tr><td>{html.escape(prefix)}</td><td>{html.escape(text)}</td></tr>")
 
-    walk("", summary)
-    return "<table>" + "".join(rows) + "</table>"
-
-
-def main():
-    if len(sys.argv) != 2:
-        sys.exit("usage: draw_recorded.py FOLDER")
-    folder = pathlib.Path(sys.argv[1])
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-    samples = columns(folder / "samples.csv")
-    field, error = draw_field(samples, columns(folder / "landmarks.csv"),
-                              summary["trajectory"]["aligned"] == "se2")
-    name = html.escape(f"{manifest['source']['name']}, {manifest['config']['filter']}")
-    page = (
-        f"<!doctype html><meta charset='utf-8'><title>{name}</title>"
-        "<style>body{font:14px sans-serif;margin:2em;color:#1f2933}td{padding:0 1em 0 0}"
-        ".side{display:flex;flex-wrap:wrap;gap:1em}</style>"
-        f"<h1>{name}</h1><p>{html.escape(manifest['source']['note'])}</p>"
-        f"<div class='side'>{field}{draw_errors(samples, error, summary['nees'] is not None)}</div>"
-        f"<h2>Figures</h2>{table(summary)}<p>{html.escape(manifest['command'])}</p>"
-    )
-    part = folder / "report.html.part"
-    part.write_text(page, encoding="utf-8")
-    part.replace(folder / "report.html")
+def main(folder):
+    summary, manifest = page.read_json(folder + "/summary.json"), page.read_json(folder + "/manifest.json")
+    sections = page.chart_sections(("latency", "path", "error", "registration", "map", "consistency", "health"),
+                                   {"latency": page.stage_table(summary)})
+    parts = [page.beginning(manifest), cards(summary), "<div id='player'>" + page.SCRUBBER + "</div>", *sections,
+             *page.ending(manifest, summary)]
+    page.write_page(folder, manifest, parts, data_of(folder, summary))
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1])

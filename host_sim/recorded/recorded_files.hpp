@@ -10,8 +10,8 @@
 namespace cairn::host {
 
 /// Writes what a recorded run leaves in `out` (created if missing): manifest.json, trajectory.tum,
-/// truth.tum, landmarks.csv, samples.csv, frames.csv, summary.json, and report.html where python3
-/// has matplotlib. The summary goes by the alignment `start` where the truth has headings, else
+/// truth.tum, landmarks.csv, samples.csv, frames.csv, summary.json, and report.html where
+/// there is python3. The summary goes by the alignment `start` where the truth has headings, else
 /// `se2`.
 void write_recorded_run(const Recording& recording, const RecordedRunOptions& options,
                         const RecordedRun& run, const std::string& command_line,

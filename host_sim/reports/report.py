@@ -265,6 +265,11 @@ def cards(summary):
          and f"{value(summary['nis']['mean'], 1)} at {value(summary['nis']['dof'], 1)} degrees of freedom"),
         ("map", f"{summary['map']['landmarks']} of {summary['map']['capacity']} landmarks"),
     ]
+    return card_row(items)
+
+
+def card_row(items):
+    """A card for each (name, value) that has a value."""
     return "<div class='cards'>" + "".join(
         f"<div><b>{v}</b><span>{shown(k)}</span></div>" for k, v in items if v) + "</div>"
 
@@ -280,6 +285,14 @@ def picture(folder, name):
             f"<figcaption>frame {frame}</figcaption></figure>")
 
 
+SCRUBBER = (
+    "<div class='scrub'><button id='play' type='button' aria-label='play or pause'>▶</button>"
+    "<input id='scrubber' type='range' min='0' value='0' step='1' aria-label='frame'>"
+    "<span class='zoom'><button id='nearer' type='button' aria-label='zoom in'>+</button>"
+    "<button id='wider' type='button' aria-label='zoom out'>−</button>"
+    "<button id='all' type='button'>all</button></span></div><p id='readout' class='muted'></p>")
+
+
 def player(folder, summary):
     """The video, its scrubber, and the pictures of this run."""
     parts = ["<h2>What a user sees</h2><div id='player'>"]
@@ -291,11 +304,7 @@ def player(folder, summary):
                      f"src='{inlined(path, 'video/mp4') if inside else shown(video['file'])}'></video>"
                      f"<p id='no-video' hidden>The video <code>{shown(video['file'])}</code> cannot be played here"
                      f"{'' if inside else ': keep it in the same folder as this page'}.</p>")
-    parts.append("<div class='scrub'><button id='play' type='button' aria-label='play or pause'>▶</button>"
-                 "<input id='scrubber' type='range' min='0' value='0' step='1' aria-label='frame'>"
-                 "<span class='zoom'><button id='nearer' type='button' aria-label='zoom in'>+</button>"
-                 "<button id='wider' type='button' aria-label='zoom out'>−</button>"
-                 "<button id='all' type='button'>all</button></span></div><p id='readout' class='muted'></p></div>")
+    parts.append(SCRUBBER + "</div>")
     if summary["pictures"]:
         parts += ["<div class='frames'>", *(picture(folder, name) for name in summary["pictures"]), "</div>"]
     return "".join(parts)
@@ -316,44 +325,64 @@ CHARTS = [
 ]
 
 
-def main(folder):
-    with open(folder + "/summary.json", encoding="utf-8") as file:
-        summary = json.load(file)
-    with open(folder + "/manifest.json", encoding="utf-8") as file:
-        manifest = json.load(file)
-    config = manifest["config"]
-    summary["config_mode"] = config["mode"]
-    data = json.dumps(data_of(folder, summary), separators=(",", ":")).replace("<", "\\u003c")
-    title = shown(title_of(manifest["source"]["name"]))
-    parts = [
-        f"<header><h1>{title}</h1>",
-        f"<p class='muted'>{shown(config['mode'])} &middot; {shown(config['filter'])}"
-        f" &middot; seed {shown(manifest['seed'])}"
-        f" &middot; {shown(manifest['source']['note'] or 'no assumptions')}</p></header>",
-        verdict(summary), cards(summary), player(folder, summary)]
+def chart_sections(names, before=None):
+    """The sections of these charts; `before` has what stands above a chart, by its name."""
+    parts = []
     for name, heading, note in CHARTS:
-        parts.append(f"<section id='{name}'><h2>{heading}</h2>")
-        if name == "latency":
-            parts.append(stage_table(summary))
-        parts.append(f"<div class='chart' data-chart='{name}'></div>{note}</section>")
+        if name in names:
+            parts.append(f"<section id='{name}'><h2>{heading}</h2>{(before or {}).get(name, '')}"
+                         f"<div class='chart' data-chart='{name}'></div>{note}</section>")
+    return parts
+
+
+def ending(manifest, summary):
+    """Health, and how the run was made."""
     health = "".join(f"<div><span>{shown(k.replace('_', ' '))}</span><b>{shown(v)}</b></div>"
                      for k, v in summary["health"].items())
-    parts += [f"<details><summary>Every counter of health</summary><div class='health'>{health}</div></details>",
-              "<h2>How this was made</h2>"
-              f"<p><code>{shown(manifest['command'])}</code></p>"
-              f"<p class='muted'>cairn {shown(manifest['version'])} &middot; {shown(manifest['compiler'])}"
-              f" &middot; {shown(manifest['cpu'])}<br>log hash <code>{shown(summary['log_hash'])}</code>"
-              "<br>Charts: uPlot, MIT licence (in this page's source). Drag to zoom, double-click for all, click to "
-              "go to a frame.</p>"]
+    return [f"<details><summary>Every counter of health</summary><div class='health'>{health}</div></details>",
+            "<h2>How this was made</h2>"
+            f"<p><code>{shown(manifest['command'])}</code></p>"
+            f"<p class='muted'>cairn {shown(manifest['version'])} &middot; {shown(manifest['compiler'])}"
+            f" &middot; {shown(manifest['cpu'])}<br>log hash <code>{shown(summary['log_hash'])}</code>"
+            "<br>Charts: uPlot, MIT licence (in this page's source). Drag to zoom, double-click for all, click to "
+            "go to a frame.</p>"]
+
+
+def beginning(manifest):
+    config = manifest["config"]
+    return (f"<header><h1>{shown(title_of(manifest['source']['name']))}</h1>"
+            f"<p class='muted'>{shown(config['mode'])} &middot; {shown(config['filter'])}"
+            f" &middot; seed {shown(manifest['seed'])}"
+            f" &middot; {shown(manifest['source']['note'] or 'no assumptions')}</p></header>")
+
+
+def read_json(path):
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)
+
+
+def write_page(folder, manifest, parts, data):
+    """report.html: `parts` of its body, and `data` for its charts."""
+    text = json.dumps(data, separators=(",", ":")).replace("<", "\\u003c")
     with whole_file(folder + "/report.html") as file:
         file.write("<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' "
                    "content='width=device-width, initial-scale=1'>"
-                   f"<title>Cairn: {title}</title>"
+                   f"<title>Cairn: {shown(title_of(manifest['source']['name']))}</title>"
                    f"<style>{page_part('uplot_css')}{page_part('css')}</style>" + "\n".join(parts)
                    + f"<!--\nuPlot:\n{page_part('uplot_licence')}-->"
-                   f"<script type='application/json' id='data'>{data}</script>"
+                   f"<script type='application/json' id='data'>{text}</script>"
                    + "".join(f"<script>{page_part(name)}</script>" for name in ("uplot", "charts", "page"))
                    + "</html>\n")
 
 
-main(sys.argv[1])
+def main(folder):
+    summary, manifest = read_json(folder + "/summary.json"), read_json(folder + "/manifest.json")
+    summary["config_mode"] = manifest["config"]["mode"]
+    parts = [beginning(manifest), verdict(summary), cards(summary), player(folder, summary),
+             *chart_sections([name for name, _, _ in CHARTS], {"latency": stage_table(summary)}),
+             *ending(manifest, summary)]
+    write_page(folder, manifest, parts, data_of(folder, summary))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Opens the reports of two short runs in headless Chromium as a person would, at desktop and phone width, light and
+"""Opens the reports of three short runs in headless Chromium as a person would, at desktop and phone width, light and
 dark: every chart holds data and ink, nothing is cut off, hovering, dragging and clicking do what the page says, and
 the page asks for nothing from elsewhere. Pictures of the page go to OUT.
 
 usage: page_test.py CAIRN_SIM OUT [REPORT.html...]     (further reports of your own)
 """
+import math
 import pathlib
 import re
 import shutil
@@ -18,6 +19,7 @@ SKIPPED = 77
 WIDTHS = {"desktop": dict(width=1280, height=900), "phone": dict(width=390, height=844, phone=True, dark=True)}
 VEHICLE = {"latency", "path", "error", "registration", "map", "consistency", "health"}
 HANDHELD = {"latency", "path", "map", "health"}
+LANDMARKS = {"latency", "path", "error", "map", "consistency"}
 # Pixels of a chart's canvas that are not the background, and how many values its data hold.
 CHARTS = """Object.entries(charts).map(([name, {u}]) => {
   const c = u.ctx.canvas, pixels = u.ctx.getImageData(0, 0, c.width, c.height).data;
@@ -94,6 +96,19 @@ def look(page, report, expected, out, name):
     check(not page.errors, f"{name}: no error on the page: {page.errors}")
 
 
+def write_recording(folder):
+    """A robot that drives past three posts, in the layout of lost-in-the-woods."""
+    folder.mkdir(parents=True, exist_ok=True)
+    odometry = [f"{k / 10},0.5,0,{k / 20},0,0,1" for k in range(60)]
+    (folder / "odom_gt.csv").write_text("\n".join(
+        ["t_s,v_mps,om_radps,x_true_m,y_true_m,th_true_rad,true_valid", *odometry, ""]))
+    seen = [(k / 10, i, 2 * i - k / 20 - 0.219, i - 2) for k in range(60) for i in (1, 2, 3)]
+    (folder / "obs.csv").write_text("\n".join(
+        ["t_s,landmark_id(1..17),range_m,bearing_rad",
+         *(f"{t},{i},{math.hypot(x, y):.6f},{math.atan2(y, x):.6f}" for t, i, x, y in seen), ""]))
+    (folder / "landmarks.csv").write_text("landmark_id,x_m,y_m\n1,2,-1\n2,4,0\n3,6,1\n")
+
+
 def main():
     program = find_chromium()
     if program is None:
@@ -102,13 +117,16 @@ def main():
     sim, out, *own = sys.argv[1:]
     out = pathlib.Path(out)
     runs = {"vehicle": ["hall-small", "--max-frames", "60"],
-            "handheld": ["hall-small", "--mode", "handheld", "--max-frames", "60", "--no-video"]}
+            "handheld": ["hall-small", "--mode", "handheld", "--max-frames", "60", "--no-video"],
+            "landmarks": [f"lost-in-the-woods:{out / 'recording'}"]}
+    write_recording(out / "recording")
     for name, arguments in runs.items():
         shutil.rmtree(out / name, ignore_errors=True)
         subprocess.run([sim, "run", *arguments, "--out", str(out / name)], check=True, stdout=subprocess.DEVNULL)
     with Chromium(program) as page:
         look(page, (out / "vehicle/report.html").resolve(), VEHICLE, out, "vehicle")
         look(page, (out / "handheld/report.html").resolve(), HANDHELD, out, "handheld")
+        look(page, (out / "landmarks/report.html").resolve(), LANDMARKS, out, "landmarks")
         for report in own:
             look(page, pathlib.Path(report).resolve(), {"latency", "map"}, out, pathlib.Path(report).parent.name)
     return 1 if failures else 0

@@ -68,9 +68,12 @@ function latency(run, color, narrow, wish) {
 }
 
 function error(run, color, narrow) {
-  if (!run.path || !has(run.path.sigma)) return null;
-  const bound = run.path.sigma.map((s) => (s === null ? null : 3 * s)), unit = run.path.unit === "m" ? " m" : "";
-  const series = [line(color, "3 sigma", "--orange", (v) => text(v, unit, 3), { fill: color("--ring") })], data = [bound];
+  if (!run.path || !(has(run.path.sigma) || has(run.path.error))) return null;
+  const unit = run.path.unit === "m" ? " m" : "", series = [], data = [];
+  if (has(run.path.sigma)) {
+    series.push(line(color, "3 sigma", "--orange", (v) => text(v, unit, 3), { fill: color("--ring") }));
+    data.push(run.path.sigma.map((s) => (s === null ? null : 3 * s)));
+  }
   if (has(run.path.error)) {
     series.push(line(color, "error", "--blue", (v) => text(v, unit, 3)));
     data.push(run.path.error);
@@ -174,7 +177,7 @@ function health(run, color, narrow) {
 function path(run, color) {
   const drawn = run.path;
   if (!drawn) return null;
-  const points = [...drawn.estimate.map((p) => [p[1], p[2]]), ...drawn.truth];
+  const points = [...drawn.estimate.map((p) => [p[1], p[2]]), ...drawn.truth, ...(drawn.whole ? drawn.landmarks : [])];
   const low = [0, 1].map((k) => points.reduce((m, p) => Math.min(m, p[k]), Infinity));
   const high = [0, 1].map((k) => points.reduce((m, p) => Math.max(m, p[k]), -Infinity));
   return { points, low, high };
