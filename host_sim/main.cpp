@@ -1,6 +1,7 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <string>
 #include <vector>
 
@@ -61,12 +62,21 @@ ExitCode run(int argc, char** argv) {
   return context.exit_code;
 }
 
+/// What was printed must have arrived: a pipe's reader is gone, or a disk is full.
+ExitCode with_printed(ExitCode code) {
+  std::cout.flush();
+  const bool printed = std::cout.good() && std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+  if (printed) return code;
+  std::fprintf(stderr, "cairn_sim: standard output cannot be written\n");
+  return code == ExitCode::kOk ? ExitCode::kOutputFailed : code;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is an error of writing
   try {
-    return static_cast<int>(run(argc, argv));
+    return static_cast<int>(with_printed(run(argc, argv)));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cairn_sim: %s\n", error.what());
     return static_cast<int>(ExitCode::kCheckFailed);

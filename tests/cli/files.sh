@@ -66,6 +66,16 @@ code=$?
 check "exit code with no room for the video: $code, $output" [ "$code" -eq 4 ]
 check "no video without room" [ -z "$(find "$work/video" -name 'overlay.*')" ]
 
+# standard output on a full device
+if [ -w /dev/full ]; then
+  for words in info "run --help" "run hall-small --max-frames 2 --no-video --force --out device"; do
+    said=$(cd "$work" && "$sim" $words 2>&1 >/dev/full </dev/null)
+    code=$?
+    check "exit code of '$words' on a full device: $code" [ "$code" -eq 4 ]
+    check "it says so: $said" grep -q "standard output cannot be written" <<<"$said"
+  done
+fi
+
 # an earlier run's files go, a user's own stay
 expect 0 "log hash" run hall-small --max-frames 12 --out again
 touch "$work/again/overlay-999999.jpg" "$work/again/overlay-mine.jpg" "$work/again/notes.txt" "$work/again/frames.csv.part"
