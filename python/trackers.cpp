@@ -79,6 +79,7 @@ py::dict dict_of(const cairn_health& h) {
   CAIRN_COUNTER(budget_exceeded);
   CAIRN_COUNTER(low_texture_frames);
   CAIRN_COUNTER(mount_suspicions);
+  CAIRN_COUNTER(ground_suspicions);
 #undef CAIRN_COUNTER
   return out;
 }

@@ -29,6 +29,14 @@ void print_suspicions(const std::optional<MountOffset>& offset) {
   }
 }
 
+void print_suspicion(const std::optional<GroundCheck>& ground) {
+  if (!ground.has_value() || !ground->suspect()) return;
+  fmt::print(
+      "speed or camera height suspect: the ground appears {:.2f} times as far below the camera as "
+      "its height says: the speed's unit or scale (km/h for m/s: 3.6), or the height\n",
+      ground->ratio());
+}
+
 void print_summary(const nlohmann::json& summary) {
   const nlohmann::json& latency = summary["latency_ms"];
   fmt::print("\n{:<34}{:>9}{:>9}{:>9}{:>9}{:>12}{:>10}\n", "per frame, ms", "p50", "p95", "p99",

@@ -18,5 +18,7 @@ inline constexpr MountOffset::Part kMountParts[] = {MountOffset::kYaw, MountOffs
 
 /// A line for each part of mount and camera that the pictures contradict.
 void print_suspicions(const std::optional<MountOffset>& offset);
+/// A line where speed or camera height do not fit the ground.
+void print_suspicion(const std::optional<GroundCheck>& ground);
 
 }  // namespace cairn::host

@@ -182,7 +182,8 @@ ExitCode check_mount(FrameSource& source, Frame& first, Tracker& tracker) {
                run.offset.suspect[part] ? "suspect" : "not contradicted");
   }
   print_suspicions(run.offset);
-  return run.offset.any_suspect() ? ExitCode::kCheckFailed : ExitCode::kOk;
+  print_suspicion(run.ground);
+  return run.offset.any_suspect() || run.ground->suspect() ? ExitCode::kCheckFailed : ExitCode::kOk;
 }
 
 /// The source with pictures of the part and size asked for, and of one that the tracker holds.
@@ -285,6 +286,7 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   write_json(options.out / "summary.json", summary);
   print_summary(summary);
   print_suspicions(record.mount);
+  print_suspicion(record.ground);
   if (record.mount_suspect_frame && !record.mount->any_suspect()) {
     fmt::print("calibration was suspect in {} frames, and is not at the end\n",
                record.health.mount_suspicions);

@@ -296,6 +296,16 @@ json mount_json(const RunRecord& record) {
        record.mount_suspect_frame.has_value() ? json(*record.mount_suspect_frame) : json(nullptr)}};
 }
 
+/// How high the camera is above the ground by the pictures, in heights that were told; null in
+/// hand-held mode.
+json ground_json(const RunRecord& record) {
+  if (!record.ground.has_value()) return nullptr;
+  const float ratio = record.ground->ratio();
+  return {{"ratio", ratio > 0.0F ? json(ratio) : json(nullptr)},
+          {"suspect", record.ground->suspect()},
+          {"suspect_frames", record.health.ground_suspicions}};
+}
+
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                const RegistrationResult& registration, double budget_ms, const SourceInfo& source) {
   int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
@@ -341,6 +351,7 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
         {"reused", reuse_json(record)}}},
       {"health", to_json(record.health)},
       {"mount", mount_json(record)},
+      {"ground", ground_json(record)},
       {"monitor", monitor_json(record)},
       {"pictures", pictures},
       {"video", record.overlay.empty() ? json(nullptr)
@@ -388,7 +399,8 @@ json to_json(const Health& h) {
           {"false_relocalisations_refused", h.false_relocalisations_refused},
           {"budget_exceeded", h.budget_exceeded},
           {"low_texture_frames", h.low_texture_frames},
-          {"mount_suspicions", h.mount_suspicions}};
+          {"mount_suspicions", h.mount_suspicions},
+          {"ground_suspicions", h.ground_suspicions}};
 }
 
 }  // namespace cairn::host

@@ -27,6 +27,7 @@ class Judge {
     judge_inputs();
     judge_tracking();
     judge_mount();
+    judge_ground();
     judge_consistency();
     judge_errors();
     judge_budget();
@@ -102,6 +103,21 @@ class Judge {
       if (!offset["suspect"].get<bool>()) continue;
       say(Grade::kBad, "The camera's {} is off by {:+.1f} +- {:.1f} {}", part.name,
           offset["off"].get<double>(), offset["sigma"].get<double>(), part.unit);
+    }
+  }
+
+  void judge_ground() {
+    if (!summary_.contains("ground") || summary_["ground"].is_null()) return;
+    const json& ground = summary_["ground"];
+    if (ground["suspect"].get<bool>()) {
+      say(Grade::kBad,
+          "By the pictures the ground lies {:.2f} times as far below the camera as its height "
+          "says: "
+          "the speed is in another unit (km/h for m/s: 3.6), or the camera's height is wrong",
+          ground["ratio"].get<double>());
+    } else if (const int frames = ground["suspect_frames"].get<int>(); frames > 0) {
+      say(Grade::kNote,
+          "Speed or camera height did not fit the ground in {} frames, and do at the end", frames);
     }
   }
 

@@ -19,6 +19,7 @@ MountRun run_for_mount(FrameSource& source, Frame& first, Tracker& tracker) {
     run.tracked += report.not_tracked == NotTracked::kTracked ? 1 : 0;
   } while (interrupted() == 0 && source.next(first));
   run.offset = tracker.mount_offset().value();
+  run.ground = tracker.ground();
   run.suspect_frames = tracker.health().mount_suspicions;
   return run;
 }

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
+#include "cairn/tracking/ground_check.hpp"
 #include "cairn/tracking/mount_evidence.hpp"
 
 #include "host_sim/sources/frame_source.hpp"
@@ -13,6 +15,7 @@ namespace cairn::host {
 /// What a drive says of the camera's mount.
 struct MountRun {
   MountOffset offset;
+  std::optional<GroundCheck> ground;
   int frames = 0;
   int tracked = 0;
   std::uint32_t suspect_frames = 0;  ///< frames in which a part was suspect, now or for a time

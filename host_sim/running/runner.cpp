@@ -107,6 +107,7 @@ class FrameLoop {
     record_.landmark_capacity = tracker_.landmark_capacity();
     record_.health = tracker_.health();
     record_.mount = tracker_.mount_offset();
+    record_.ground = tracker_.ground();
     for (int i = 0; i < monitor_.record_count(); ++i) record_.events.push_back(monitor_.record(i));
     record_.tracker = tracker_.description();
     record_.log_hash = hash_.value();

@@ -15,6 +15,7 @@
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/frame_report.hpp"
+#include "cairn/tracking/ground_check.hpp"
 #include "cairn/tracking/mount_evidence.hpp"
 
 #include "host_sim/options/handheld_options.hpp"
@@ -68,6 +69,8 @@ class Tracker {
   virtual const Augmenter* objects() const { return nullptr; }
   /// How far mount and focal length seem to be off. Vehicle mode alone.
   virtual std::optional<MountOffset> mount_offset() const { return std::nullopt; }
+  /// Whether speed and camera height fit the height of the ground. Vehicle mode alone.
+  virtual std::optional<GroundCheck> ground() const { return std::nullopt; }
   /// Vehicle mode alone.
   virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }
   /// Covariance of the attitude, rad^2, camera axes; of a small turn after it. Handheld mode alone.

@@ -98,6 +98,7 @@ class VehicleAdapter : public Tracker {
     return covariance;
   }
   std::optional<MountOffset> mount_offset() const override { return core_->mount_offset(); }
+  std::optional<GroundCheck> ground() const override { return core_->ground(); }
   const Augmenter* objects() const override { return &objects_.augmenter(); }
 
   nlohmann::json description() const override {

@@ -39,3 +39,4 @@ CAIRN_SAME(false_relocalisations_refused);
 CAIRN_SAME(budget_exceeded);
 CAIRN_SAME(low_texture_frames);
 CAIRN_SAME(mount_suspicions);
+CAIRN_SAME(ground_suspicions);

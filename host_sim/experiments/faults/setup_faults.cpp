@@ -42,8 +42,13 @@ void say_suspicions(FaultJudge& judge, const std::optional<MountOffset>& offset)
   }
 }
 
-/// One that can be meant and is wrong. Told and not promised: MountCheck sees the angles, a focal
-/// length only as well as odometry knows the yaw, and the camera's height not at all.
+void say_suspicion(FaultJudge& judge, const std::optional<GroundCheck>& ground) {
+  if (!ground.has_value() || !ground->suspect()) return;
+  judge.saw(fmt::format("suspect: ground {:.2f} camera heights below the camera", ground->ratio()));
+}
+
+/// One that can be meant and is wrong. Told and not promised: MountCheck sees the angles, and a
+/// focal length only as well as odometry knows the yaw; GroundCheck the camera's height.
 FaultOutcome wrong_setup(const FaultScene& scene, FaultComponent component, const char* what,
                          const Setup& change) {
   FaultJudge judge(component, FaultMode::kWrong, what,
@@ -62,6 +67,7 @@ FaultOutcome wrong_setup(const FaultScene& scene, FaultComponent component, cons
   judge.saw(fmt::format("{} of {} frames say tracking outside 99.99 %", drive.false_claims,
                         drive.frames));
   say_suspicions(judge, tracker->mount_offset());
+  say_suspicion(judge, tracker->ground());
   return judge.reported();
 }
 

@@ -163,6 +163,8 @@ class FrameTracker {
   TrackingState state() const;
   /// How far the mount and the focal length seem to be from what initialise() was told.
   const MountOffset& mount_offset() const { return mount_check_.offset(); }
+  /// Whether speed and camera height fit the height of the ground in the pictures.
+  const GroundCheck& ground() const { return estimate_.ground(); }
   void hash(Hash64& hash) const;
 
  private:

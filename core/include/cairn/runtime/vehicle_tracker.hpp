@@ -73,6 +73,8 @@ class VehicleTracker {
   Rigid<float> T_map_vehicle() const { return frames_.T_map_vehicle(); }
   /// As FrameTracker::mount_offset().
   const MountOffset& mount_offset() const { return frames_.mount_offset(); }
+  /// As FrameTracker::ground().
+  const GroundCheck& ground() const { return frames_.ground(); }
   Health health() const { return frames_.health(); }
   /// Admissions, replacements and refusals of the library.
   const Health& library_health() const { return builder_.health(); }

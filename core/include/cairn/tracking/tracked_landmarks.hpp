@@ -20,6 +20,7 @@ struct TrackedLandmark {
   bool from_library = false;  ///< reactivated from the map library
   bool stored = false;        ///< it is in the map library, or was sent there
   FloorTest floor = FloorTest::kOpen;
+  bool in_ground_check = false;  ///< its height was noted
 };
 
 /// The tracker's records of the filter's landmarks, found by id. Cost of a look-up: Capacity

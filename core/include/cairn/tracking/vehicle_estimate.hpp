@@ -3,6 +3,7 @@
 #include "cairn/base/hash.hpp"
 #include "cairn/planar/types.hpp"
 #include "cairn/tracking/frame_context.hpp"
+#include "cairn/tracking/ground_check.hpp"
 #include "cairn/tracking/landmark_measurement.hpp"
 #include "cairn/tracking/planar_pose_search.hpp"
 
@@ -107,6 +108,16 @@ class VehicleEstimate {
   /// prove to be a floor (FloorProof).
   void constrain_to_floor(FrameContext& frame, TrackedLandmark& landmark);
 
+  /// Notes how far below the camera the landmark lies, once, as soon as that is known well enough.
+  /// Those of the library have the scale of another drive.
+  void check_ground(FrameContext& frame, TrackedLandmark& landmark);
+  /// The vehicle moved by `ahead_m` by odometry, and the image added `correction_m` to it: what
+  /// that says of the floor's height, where the floor gives the map its scale.
+  void check_ground(float ahead_m, float correction_m) {
+    if (floor_.sigma_m > 0.0F && floor_proof_.proven()) ground_.note_step(ahead_m, correction_m);
+  }
+  const GroundCheck& ground() const { return ground_; }
+
   /// Removes a landmark from the filter and from the records.
   void remove(FrameContext& frame, int slot);
 
@@ -128,6 +139,7 @@ class VehicleEstimate {
   OnePointRansacParameters ransac_;
   FloorParameters floor_;
   FloorProof floor_proof_;
+  GroundCheck ground_;
   float sigma_px_ = 0.5F;
 };
 
@@ -147,6 +159,7 @@ Status VehicleEstimate<Filter>::initialise(const PinholeCamera<float>& camera,
   ransac_ = filter.ransac;
   floor_ = floor;
   floor_proof_.reset(filter.tilt.tilts());
+  ground_.reset(T_vehicle_camera.translation.z());
   sigma_px_ = sigma_px;
   return Status::kOk;
 }
@@ -202,6 +215,26 @@ void VehicleEstimate<Filter>::constrain_to_floor(FrameContext& frame, TrackedLan
   landmark.floor = FloorTest::kDone;
   const Status used = filter_.update_height(landmark.id, 0.0F, floor_.sigma_m, floor_.gate);
   frame.work.spend(ok(used) ? most : work::kProjection);
+}
+
+template <class Filter>
+void VehicleEstimate<Filter>::check_ground(FrameContext& frame, TrackedLandmark& landmark) {
+  constexpr float kMostSigma = 0.08F;  // of what it lies below the camera
+  constexpr float kFlattest = 0.2F;    // a hundredth of pitch, or of slope, is 5 % of that here,
+  constexpr float kNoSlope = 1.5F;     // and so far below no slope reaches
+  if (landmark.in_ground_check || landmark.from_library) return;
+  if (!frame.work.take(work::kProjection)) return;
+  const int slot = filter_.find(landmark.id);
+  const Vector3<float> place = filter_.mean_landmark(slot);
+  const float height_m = T_vehicle_camera_.translation.z();
+  const float below_m = height_m - place.z();
+  const Vector2<float> away =
+      place.template head<2>() - T_world_camera().translation.template head<2>();
+  const bool steep = below_m > kFlattest * away.norm();
+  if (!(steep || below_m > kNoSlope * height_m)) return;
+  if (filter_.landmark_covariance(slot)(2, 2) > square(kMostSigma * below_m)) return;
+  landmark.in_ground_check = true;
+  ground_.note_landmark(below_m);
 }
 
 template <class Filter>

@@ -76,6 +76,7 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
     status = update(frame, status);
     status = keep_map(frame, status);
     check_mount(frame);
+    health_.ground_suspicions += ground().suspect() ? 1 : 0;
     odometry_.forget_yaw();
     status = monitor_.judge(measurement_.counts(), status, health_);
   }
@@ -172,8 +173,9 @@ void FrameTracker<Config, Filter>::note_correction(const PlanarPose<float>& pred
   const bool known = monitor_.state() == TrackingState::kTracking;
   const bool sure = known && measurement_.counts().inliers >= 2 * monitor_.parameters().min_inliers;
   const float turn_rad = wrap_angle(filter().mean_pose().heading - predicted.heading);
-  odometry_.note_image_update(known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F,
-                              known ? turn_rad : 0.0F, frame_step_s_, sure);
+  const float ahead_m = known ? ahead.x() * x_m + ahead.y() * y_m : 0.0F;
+  if (known) estimate_.check_ground(odometry_.speed_mps() * frame_step_s_, ahead_m);
+  odometry_.note_image_update(ahead_m, known ? turn_rad : 0.0F, frame_step_s_, sure);
 }
 
 /// Grows the map while the pose holds, recognises the place while it does not. A place that the
@@ -262,6 +264,7 @@ void FrameTracker<Config, Filter>::note_inlier(Frame& frame, const PixelMatch<fl
   if (estimate_.take_patch(frame, *landmark, match.pixel) && landmark->measured == 1) {
     map_reuse_.archive().report_found(frame, match.id);
   }
+  estimate_.check_ground(frame, *landmark);
   estimate_.constrain_to_floor(frame, *landmark);
   map_reuse_.archive().archive_mature(frame, estimate_, *landmark);
 }
@@ -301,12 +304,13 @@ TrackingState FrameTracker<Config, Filter>::state() const {
   return state == TrackingState::kTracking && doubted() ? TrackingState::kUncertain : state;
 }
 
-/// The pictures contradict the odometry or the mount, odometry is silent and so the scale is not
-/// measured, or the body tilts by more than its suspension allows.
+/// The pictures contradict the odometry, the mount or the camera's height, odometry is silent and
+/// so the scale is not measured, or the body tilts by more than its suspension allows.
 template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::doubted() const {
   constexpr float kTiltInSigmas = 5.0F;
-  if (odometry_.contradicted() || !odometry_.known() || mount_offset().any_suspect()) return true;
+  if (odometry_.contradicted() || !odometry_.known()) return true;
+  if (mount_offset().any_suspect() || ground().suspect()) return true;
   if (!filter().tilts()) return false;
   const VehicleTilt<float> tilt = filter().tilt();
   const TiltParameters<float>& usual = filter().parameters().tilt;

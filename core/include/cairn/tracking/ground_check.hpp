@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+
+namespace cairn {
+
+/// Watches the one length in the pictures that odometry cannot scale: the height of the camera
+/// above the ground. A speed in another unit, or a height that was not measured, shows in one of
+/// two ways.
+///
+/// Where the map takes its scale from odometry, the ground lies at another depth below the camera
+/// than its height says. What stands on the ground lies above it and nothing lies below: the ground
+/// is the lowest height that many landmarks share, a peak in the histogram of the logarithm of the
+/// depth with almost nothing beyond. Without such a peak nothing is said.
+///
+/// Where the map takes its scale from the floor (FloorParameters), the distances that images show
+/// differ from those of odometry.
+class GroundCheck {
+ public:
+  /// Starts anew.
+  void reset(float camera_height_m) {
+    *this = GroundCheck();
+    height_m_ = camera_height_m;
+  }
+
+  /// A landmark lies `below_m` below the camera; once for each.
+  void note_landmark(float below_m);
+  /// The vehicle moved by `ahead_m` by odometry, and the image added `correction_m` to it.
+  void note_step(float ahead_m, float correction_m);
+
+  /// How often the height of the camera above the ground goes into what the pictures say, by
+  /// odometry's scale: 3.6 where km/h were taken for m/s, 0.8 where the camera is 20 % lower than
+  /// was told. 0: not known.
+  float ratio() const;
+  /// Whether that is further from 1 than careful measuring and slopes leave.
+  bool suspect() const;
+
+ private:
+  static constexpr int kBins = 32;
+
+  float by_landmarks() const;
+  float by_distance() const;
+  int around(int bin) const;
+
+  std::uint8_t counts_[kBins] = {};
+  float height_m_ = 1.0F;
+  float ahead_m_ = 0.0F;       ///< of the last while, by odometry
+  float correction_m_ = 0.0F;  ///< and what images added to it
+};
+
+}  // namespace cairn
