@@ -10,6 +10,11 @@ constexpr float kLowestLog = -1.6F;  // a fifth of the height; the highest bin e
 constexpr float kMostOff = 0.12F;
 constexpr float kLowestCamera_m = 0.02F;  // nearer to the ground, or below it, heights say nothing
 
+/// Nothing lies below the ground; above it the true ground may be out of view.
+bool is_below(float ratio) {
+  return ratio > 1.0F + kMostOff;
+}
+
 bool is_off(float ratio) {
   return ratio > 0.0F && abs(ratio - 1.0F) > kMostOff;
 }
@@ -40,11 +45,12 @@ void GroundCheck::note_step(float ahead_m, float correction_m) {
 float GroundCheck::ratio() const {
   const float by_landmarks = this->by_landmarks();
   const float by_distance = this->by_distance();
-  return is_off(by_landmarks) || !(by_distance > 0.0F) ? by_landmarks : by_distance;
+  if (is_below(by_landmarks) || !(by_distance > 0.0F)) return by_landmarks;
+  return is_off(by_distance) || !(by_landmarks > 0.0F) ? by_distance : by_landmarks;
 }
 
 bool GroundCheck::suspect() const {
-  return is_off(ratio());
+  return is_below(by_landmarks()) || is_off(by_distance());
 }
 
 /// Of a bin and its neighbours.

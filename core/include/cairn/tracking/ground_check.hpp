@@ -11,7 +11,8 @@ namespace cairn {
 /// Where the map takes its scale from odometry, the ground lies at another depth below the camera
 /// than its height says. What stands on the ground lies above it and nothing lies below: the ground
 /// is the lowest height that many landmarks share, a peak in the histogram of the logarithm of the
-/// depth with almost nothing beyond. Without such a peak nothing is said.
+/// depth with almost nothing beyond. Without such a peak nothing is said, nor where it lies above
+/// the ground that was told: a wall fills the picture, too, and the ground is out of view.
 ///
 /// Where the map takes its scale from the floor (FloorParameters), the distances that images show
 /// differ from those of odometry.
