@@ -204,5 +204,16 @@ TEST_F(SupplyOfFeatures, ProposesNothingInCellsThatAreLeftBehind) {
   EXPECT_EQ(columns, (std::set<int>{0, 1})) << "the middles of the third column lie at 100";
 }
 
+/// A descriptor's 29 px would leave a small picture nothing.
+TEST_F(SupplyOfFeatures, TakesNoMoreOfASmallPictureForTheMarginThanItsShare) {
+  put_dot_in_every_cell();
+  parameters_.cells_per_frame = Supply::kCells;
+  parameters_.min_margin_px = 29;
+  EXPECT_EQ(find(Supply::kCells).size(), 24U) << "the outer cells' dots lie 20 px from the border";
+  parameters_.most_margin_share = 19.5F / kHeight;
+  supply_.begin(kWidth, kHeight);
+  EXPECT_EQ(find(Supply::kCells).size(), 48U);
+}
+
 }  // namespace
 }  // namespace cairn

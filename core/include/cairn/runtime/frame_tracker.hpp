@@ -54,14 +54,13 @@ class FrameTracker {
   /// The heading error is common to all landmarks, so a 99 % gate would reject all of them in one
   /// frame of a hundred: windows and gates are at 99.99 % (chi-square, 2 degrees of freedom).
   static constexpr float kWideGate = 18.42F;
-  static constexpr int kPatchMargin_px = 10;  ///< a patch, and three pixels to be found again in
 
   struct Parameters {
     /// The filter's re-acquisition is off: it widens the pose at every prediction, which at frame
     /// rate would make the search windows grow too fast; the tracking states take its place. Two
-    /// inliers are enough for a young map, because odometry bounds what they can change. Seeds
-    /// begin where a patch fits: descriptors are for the library alone, and their margin would
-    /// leave three of four rows of a picture of 80 without seeds.
+    /// inliers are enough for a young map, because odometry bounds what they can change. In
+    /// pictures of less than 240 rows seeds begin nearer to the border than a descriptor needs:
+    /// they are found by their patch, and 29 px would leave 22 of 80 rows.
     Parameters() {
       filter.reacquire_after = 0;
       filter.ransac.min_inliers = 2;
@@ -70,7 +69,7 @@ class FrameTracker {
       measurement.search.gate = kWideGate;
       measurement.search.patch.gate = kWideGate;
       local_map.seeds.gate = kWideGate;
-      local_map.supply.min_margin_px = kPatchMargin_px;
+      local_map.supply.most_margin_share = 0.121F;
       measurement.search.patch.max_half_window_px = PatchSearchParameters::kMaxHalfWindow;
       measurement.max_searches = 40;
     }

@@ -29,7 +29,8 @@ class FeatureSupply {
     int lowest_threshold = 6;          ///< of a picture with few corners
     int few_points = 12;               ///< known or found in a picture: fewer lower the threshold
     int cells_per_frame = 12;          ///< searched at most
-    int min_margin_px = 29;            ///< to the image border: what a descriptor needs; a patch: 8
+    int min_margin_px = 29;            ///< to the image border: what a descriptor needs,
+    float most_margin_share = 1.0F;    ///< but no more of the image height than this
     float margin_share = 0.084F;       ///< same, of the image height
     float min_distance_share = 0.03F;  ///< to the nearest known landmark, of the image height
 
@@ -38,7 +39,8 @@ class FeatureSupply {
       const bool good = fast_threshold >= 1 && fast_threshold <= 254 && lowest_threshold >= 1 &&
                         lowest_threshold <= fast_threshold && few_points >= 0 && min_score >= 0 &&
                         cells_per_frame >= 0 && min_margin_px >= 0 && min_margin_px <= 4096 &&
-                        is_share(margin_share) && is_share(min_distance_share);
+                        is_share(most_margin_share) && is_share(margin_share) &&
+                        is_share(min_distance_share);
       return good ? Status::kOk : Status::kBadConfig;
     }
   };
@@ -111,6 +113,7 @@ class FeatureSupply {
  private:
   // Coprime to the number of cells: neighbours in time are not neighbours in the image.
   static constexpr int kStride = 19;
+  static constexpr int kHalfPatch_px = 8;
 
   struct Place {
     int x = 0;
@@ -139,11 +142,13 @@ class FeatureSupply {
   }
   int margin(const Parameters& parameters) const {
     const int share = share_of_height(parameters.margin_share);
-    return share > parameters.min_margin_px ? share : parameters.min_margin_px;
+    const int most = share_of_height(parameters.most_margin_share);
+    const int allowed = most > kHalfPatch_px ? most : kHalfPatch_px;
+    const int needed = parameters.min_margin_px < allowed ? parameters.min_margin_px : allowed;
+    return share > needed ? share : needed;
   }
   /// A patch is 15 pixels wide in every picture.
   int min_distance(const Parameters& parameters) const {
-    constexpr int kHalfPatch_px = 8;
     const int share = share_of_height(parameters.min_distance_share);
     return share > kHalfPatch_px ? share : kHalfPatch_px;
   }
