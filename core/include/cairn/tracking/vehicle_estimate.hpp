@@ -132,8 +132,8 @@ class VehicleEstimate {
   }
 
   Filter filter_;
-  Landmarks landmarks_;
   LandmarkId next_id_ = 1;
+  Landmarks landmarks_;
   PinholeCamera<float> camera_;
   Rigid<float> T_vehicle_camera_;
   OnePointRansacParameters ransac_;
