@@ -43,6 +43,16 @@ macro(cairn_compile_sooner)
   endif()
 endmacro()
 
+# cairn_compile_as_core(TARGET...): with the core's level after all, what measures the cost of the core's templates.
+function(cairn_compile_as_core)
+  if(NOT CMAKE_CXX_FLAGS_RELEASE MATCHES "-O3")
+    return()
+  endif()
+  foreach(target ${ARGN})
+    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O3>)
+  endforeach()
+endfunction()
+
 if(CAIRN_SANITIZE)
   add_compile_options(-fsanitize=${CAIRN_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${CAIRN_SANITIZE})
