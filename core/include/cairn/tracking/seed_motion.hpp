@@ -30,17 +30,15 @@ inline Rigid<float> camera_after(const VehicleMotion& motion, int steps,
   return T_vehicle_camera.inverse() * (T_now_later * T_vehicle_camera);
 }
 
-/// Whether a point at `pixel`, at the depth that seeds begin with, is still in view when its depth
-/// can be known. A seed that is not is in vain, and takes the place of one that stays.
-inline bool stays_in_view(const Vector2<float>& pixel, const PinholeCamera<float>& camera,
-                          const Rigid<float>& T_vehicle_camera, const SeedParameters& seeds,
-                          const VehicleMotion& motion) {
+/// Whether a point at `pixel`, `depth_m` away, is still in view of the camera at `T_later_now`,
+/// when its depth can be known. A seed that is not is in vain, and takes the place of one that
+/// stays.
+inline bool stays_in_view(const Vector2<float>& pixel, float depth_m,
+                          const PinholeCamera<float>& camera, const Rigid<float>& T_later_now) {
   constexpr float kPatch_px = 6.0F;
-  const Rigid<float> T_now_later = camera_after(motion, seeds.min_views - 1, T_vehicle_camera);
-  const Vector3<float> p_now = seeds.initial_depth_m * camera.unproject(pixel);
+  const Vector3<float> p_now = depth_m * camera.unproject(pixel);
   Vector2<float> later;
-  return ok(camera.project(T_now_later.inverse() * p_now, later)) &&
-         camera.contains(later, kPatch_px);
+  return ok(camera.project(T_later_now * p_now, later)) && camera.contains(later, kPatch_px);
 }
 
 /// Error of the estimate's rotation since the frame before, rad per square root of second.
