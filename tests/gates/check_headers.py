@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Compiles each header of core and port by itself: whoever includes one needs no other before it. What a header
-includes first is compiled by itself with it. Left out are the parts of a class that its own header includes at its end
+includes first is compiled by itself with it, and what a source of the core includes first is by the build. Left out are the parts of a class that its own header includes at its end
 and that do not name it (PARTS).
 
 usage: check_headers.py ROOT EIGEN COMPILER
@@ -25,14 +25,14 @@ def headers_of(root):
                 yield header
 
 
-def first_include(root, header):
-    """The header of the project that `header` includes before all else, or None."""
-    for part in ("core", "port"):
-        path = root / part / "include" / header
-        if path.exists():
-            first = re.search(r"^#include (\S+)", path.read_text(encoding="utf-8"), re.MULTILINE)
-            return first.group(1).strip('"') if first else None
-    return None
+def first_include(path):
+    """What the file includes before all else, or None."""
+    first = re.search(r"^#include (\S+)", path.read_text(encoding="utf-8"), re.MULTILINE)
+    return first.group(1).strip('"') if first else None
+
+
+def path_of(root, header):
+    return next(path for part in ("core", "port") if (path := root / part / "include" / header).exists())
 
 
 def fault(command, header):
@@ -49,7 +49,8 @@ def main():
     command = [compiler, "-std=c++17", "-fsyntax-only", "-x", "c++", "-isystem", eigen,
                "-I", str(root / "core/include"), "-I", str(root / "port/include"), "-"]
     headers = list(headers_of(root))
-    covered = {first_include(root, header) for header in headers}
+    covered = {first_include(path_of(root, header)) for header in headers}
+    covered |= {first_include(source) for source in (root / "core/src").rglob("*.cpp")}
     headers = [header for header in headers if header not in covered]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         faults = list(pool.map(lambda header: fault(command, header), headers))
