@@ -84,7 +84,7 @@ py::dict dict_of(const cairn_health& h) {
   return out;
 }
 
-/// What the two trackers' calls are named.
+/// What the trackers' calls are named.
 struct VehicleCalls {
   using Tracker = cairn_vehicle;
   using Memory = cairn_vehicle_memory;
@@ -108,6 +108,16 @@ struct HandheldCalls {
   static constexpr auto kHash = &cairn_handheld_hash;
   static constexpr auto kSave = &cairn_handheld_save_map;
   static constexpr auto kLoad = &cairn_handheld_load_map;
+};
+
+struct WindowCalls {
+  using Tracker = cairn_window;
+  using Memory = cairn_window_memory;
+  static constexpr std::size_t kLandmarks = CAIRN_WINDOW_MAX_LANDMARKS;
+  static constexpr auto kProcess = &cairn_window_process_frame;
+  static constexpr auto kLandmarksOf = &cairn_window_get_landmarks;
+  static constexpr auto kHealthOf = &cairn_window_get_health;
+  static constexpr auto kHash = &cairn_window_hash;
 };
 
 template <class Calls>
@@ -146,23 +156,30 @@ class Tracker {
     return dict_of(own);
   }
   std::uint64_t hash() const { return Calls::kHash(tracker_); }
-  py::bytes save_map() {
-    std::vector<std::uint8_t> bytes(Calls::kMapBytes);
-    std::size_t used = 0;
-    need(Calls::kSave(tracker_, bytes.data(), bytes.size(), &used), "save_map");
-    return py::bytes(reinterpret_cast<const char*>(bytes.data()), used);
-  }
-  void load_map(const std::string& bytes) {
-    need(Calls::kLoad(tracker_, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()),
-         "load_map");
-  }
 
  protected:
   std::unique_ptr<typename Calls::Memory> memory_ = std::make_unique<typename Calls::Memory>();
   typename Calls::Tracker* tracker_ = nullptr;
 };
 
-class Vehicle : public Tracker<VehicleCalls> {
+/// A tracker whose map can be saved.
+template <class Calls>
+class MappingTracker : public Tracker<Calls> {
+ public:
+  py::bytes save_map() {
+    std::vector<std::uint8_t> bytes(Calls::kMapBytes);
+    std::size_t used = 0;
+    need(Calls::kSave(this->tracker_, bytes.data(), bytes.size(), &used), "save_map");
+    return py::bytes(reinterpret_cast<const char*>(bytes.data()), used);
+  }
+  void load_map(const std::string& bytes) {
+    need(Calls::kLoad(this->tracker_, reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                      bytes.size()),
+         "load_map");
+  }
+};
+
+class Vehicle : public MappingTracker<VehicleCalls> {
  public:
   Vehicle(const cairn_camera& camera, const py::array& T_vehicle_camera,
           const cairn_vehicle_start& start, const cairn_vehicle_parameters& parameters) {
@@ -186,7 +203,7 @@ class Vehicle : public Tracker<VehicleCalls> {
   }
 };
 
-class Handheld : public Tracker<HandheldCalls> {
+class Handheld : public MappingTracker<HandheldCalls> {
  public:
   Handheld(const cairn_camera& camera, const cairn_handheld_parameters& parameters) {
     need(cairn_handheld_initialise(memory_.get(), sizeof *memory_, &camera, &parameters, &tracker_),
@@ -195,6 +212,19 @@ class Handheld : public Tracker<HandheldCalls> {
   py::array_t<float> covariance() const {
     float own[36];
     need(cairn_handheld_get_covariance(tracker_, own), "covariance");
+    return array_of(own, 6, 6);
+  }
+};
+
+class Window : public Tracker<WindowCalls> {
+ public:
+  Window(const cairn_camera& camera, const cairn_window_parameters& parameters) {
+    need(cairn_window_initialise(memory_.get(), sizeof *memory_, &camera, &parameters, &tracker_),
+         "WindowTracker");
+  }
+  py::array_t<float> covariance() const {
+    float own[36];
+    need(cairn_window_get_covariance(tracker_, own), "covariance");
     return array_of(own, 6, 6);
   }
 };
@@ -209,8 +239,12 @@ void add_common(Bound& bound) {
            "ids (n,), positions in the map (n, 3), covariances (n, 3, 3).")
       .def("health", &Class::health, "Counters since the start.")
       .def_property_readonly("hash", &Class::hash,
-                             "Fingerprint of the last accepted frame, equal on every target.")
-      .def("save_map", &Class::save_map, "The map as bytes.")
+                             "Fingerprint of the last accepted frame, equal on every target.");
+}
+
+template <class Class, class Bound>
+void add_map(Bound& bound) {
+  bound.def("save_map", &Class::save_map, "The map as bytes.")
       .def("load_map", &Class::load_map, py::arg("bytes"),
            "Takes a saved map in place of the present one. ValueError: nothing changed.");
 }
@@ -268,6 +302,13 @@ void add_settings(py::module_& module) {
       .CAIRN_FIELD(cairn_handheld_parameters, work_limit)
       .CAIRN_FIELD(cairn_handheld_parameters, max_step_us)
       .CAIRN_FIELD(cairn_handheld_parameters, seed);
+  py::class_<cairn_window_parameters>(module, "WindowParameters", "As in cairn/c_api/window.h.")
+      .def(py::init(&cairn_window_default_parameters))
+      .CAIRN_FIELD(cairn_window_parameters, sigma_px)
+      .CAIRN_FIELD(cairn_window_parameters, focal_sigma)
+      .CAIRN_FIELD(cairn_window_parameters, work_limit)
+      .CAIRN_FIELD(cairn_window_parameters, max_step_us)
+      .CAIRN_FIELD(cairn_window_parameters, seed);
 }
 
 #undef CAIRN_FIELD
@@ -300,13 +341,25 @@ void add_trackers(py::module_& module) {
           "The same with a steering angle, rad.")
       .def("pose", &Vehicle::pose, "(x, y, heading) in the map and its covariance, (3, 3).");
   add_common<Vehicle>(vehicle);
-  py::class_<Handheld> handheld(module, "HandheldTracker", "Camera tracking from video alone.");
+  add_map<Vehicle>(vehicle);
+  py::class_<Handheld> handheld(module, "HandheldTracker",
+                                "Camera tracking from video alone by the filter MonoEkf.");
   handheld
       .def(py::init<const cairn_camera&, const cairn_handheld_parameters&>(), py::arg("camera"),
            py::arg("parameters") = cairn_handheld_default_parameters())
       .def("covariance", &Handheld::covariance,
            "Of position (map axes) and rotation vector (camera axes), (6, 6).");
   add_common<Handheld>(handheld);
+  add_map<Handheld>(handheld);
+  py::class_<Window> window(module, "WindowTracker",
+                            "Camera tracking from video alone by a window of keyframes, for video "
+                            "that nobody tuned for.");
+  window
+      .def(py::init<const cairn_camera&, const cairn_window_parameters&>(), py::arg("camera"),
+           py::arg("parameters") = cairn_window_default_parameters())
+      .def("covariance", &Window::covariance,
+           "Of position (map axes) and rotation vector (camera axes), (6, 6).");
+  add_common<Window>(window);
 }
 
 }  // namespace cairn_python

@@ -25,6 +25,7 @@ static void check(int good, const char* what, int line) {
 enum { kWidth = 320, kHeight = 240 };
 static cairn_vehicle_memory vehicle_memory;
 static cairn_handheld_memory handheld_memory;
+static cairn_window_memory window_memory;
 static cairn_objects_memory objects_memory;
 static uint8_t pixels[kWidth * kHeight];
 static uint8_t map[CAIRN_VEHICLE_MAP_BYTES];
@@ -118,6 +119,17 @@ static void null_is_refused(void) {
   CHECK(cairn_handheld_place_object(NULL, NULL) == refused);
   CHECK(cairn_handheld_place_object_at(NULL, NULL, 0.0F, 0.0F) == refused);
   CHECK(cairn_handheld_reset(NULL) == refused);
+  CHECK(cairn_window_process_frame(NULL, &kImage, 0, &report) == refused);
+  CHECK(cairn_window_set_work_limit(NULL, 1) == refused);
+  CHECK(cairn_window_set_ticks(NULL, NULL, NULL) == refused);
+  CHECK(cairn_window_get_covariance(NULL, NULL) == refused);
+  CHECK(cairn_window_get_landmarks(NULL, NULL, 0, &count) == refused);
+  CHECK(cairn_window_get_health(NULL, &health) == refused);
+  CHECK(cairn_window_place_object(NULL, NULL) == refused);
+  CHECK(cairn_window_place_object_at(NULL, NULL, 0.0F, 0.0F) == refused);
+  CHECK(cairn_window_draw(NULL, NULL, NULL, NULL) == refused);
+  CHECK(cairn_window_reset(NULL) == refused);
+  CHECK(cairn_window_hash(NULL) == 0);
   CHECK(cairn_objects_place(NULL, &kForwards) == refused);
   CHECK(cairn_objects_count(NULL, NULL) == refused);
   CHECK(cairn_objects_get_place(NULL, 0, NULL) == refused);
@@ -249,6 +261,41 @@ static void a_hand_held_camera_starts_and_resets(void) {
   CHECK(cairn_handheld_process_frame(h, &kImage, 0, &report) != CAIRN_DUPLICATE);
 }
 
+static void a_window_starts_and_resets(void) {
+  cairn_window* w = NULL;
+  CHECK(cairn_window_initialise(window_memory.bytes, 8, &kCamera, NULL, &w) ==
+        CAIRN_INVALID_ARGUMENT);
+  CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, NULL, NULL, &w) ==
+        CAIRN_INVALID_ARGUMENT);
+  cairn_window_parameters parameters = cairn_window_default_parameters();
+  parameters.focal_sigma = -0.01F;
+  CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, &kCamera, &parameters,
+                                &w) == CAIRN_BAD_CONFIG);
+  CHECK(w == NULL);
+  CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, &kCamera, NULL, &w) ==
+        CAIRN_OK);
+  cairn_report report;
+  memset(pixels, 90, sizeof pixels);
+  (void)cairn_window_process_frame(w, &kImage, 0, &report);
+  CHECK(report.state == CAIRN_INITIALISING && report.landmarks == 0);
+  CHECK(cairn_window_process_frame(w, &kImage, 0, &report) == CAIRN_DUPLICATE);
+  cairn_health health;
+  CHECK(cairn_window_get_health(w, &health) == CAIRN_OK);
+  CHECK(health.time_errors == 1);
+  CHECK(cairn_window_set_work_limit(w, -1) == CAIRN_INVALID_ARGUMENT);
+  size_t count = 1;
+  CHECK(cairn_window_get_landmarks(w, NULL, 0, &count) == CAIRN_OK);
+  CHECK(count == 0);
+  cairn_objects* objects = NULL;
+  CHECK(cairn_objects_initialise(objects_memory.bytes, sizeof objects_memory, 1.0F, &objects) ==
+        CAIRN_OK);
+  CHECK(cairn_window_place_object(w, objects) == CAIRN_NOT_FOUND);
+  CHECK(cairn_window_place_object_at(w, objects, 0.0F, kHeight) == CAIRN_INVALID_ARGUMENT);
+  CHECK(cairn_window_place_object_at(w, objects, 0.0F, kHeight - 1) == CAIRN_NOT_FOUND);
+  CHECK(cairn_window_reset(w) == CAIRN_OK);
+  CHECK(cairn_window_process_frame(w, &kImage, 0, &report) != CAIRN_DUPLICATE);
+}
+
 int main(void) {
   CHECK(strcmp(cairn_status_text(CAIRN_TIME_GAP), "time_gap") == 0);
   CHECK(strcmp(cairn_status_text((cairn_status)99), "unknown") == 0);
@@ -259,6 +306,7 @@ int main(void) {
   a_map_needs_its_room_and_its_bytes();
   objects_stand_where_they_are_put();
   a_hand_held_camera_starts_and_resets();
+  a_window_starts_and_resets();
   cairn_port_write(failures == 0 ? "passed\n" : "FAILED\n");
   return failures == 0 ? 0 : 1;
 }

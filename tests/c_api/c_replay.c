@@ -19,10 +19,12 @@ static uint8_t pixels[CAIRN_MAX_IMAGE_WIDTH * CAIRN_MAX_IMAGE_HEIGHT];
 
 static cairn_vehicle_memory vehicle_memory;
 static cairn_handheld_memory handheld_memory;
+static cairn_window_memory window_memory;
 static cairn_objects_memory objects_memory;
 
 static cairn_vehicle* vehicle;
 static cairn_handheld* handheld;
+static cairn_window* window;
 static cairn_objects* objects;
 
 static int fail(const char* what, cairn_status status) {
@@ -54,6 +56,18 @@ static cairn_status start_handheld(const struct log_header* header) {
                                    &parameters, &handheld);
 }
 
+static cairn_status start_window(const struct log_header* header) {
+  cairn_window_parameters parameters = cairn_window_default_parameters();
+  parameters.seed = header->seed;
+  return cairn_window_initialise(window_memory.bytes, sizeof window_memory, &header->camera,
+                                 &parameters, &window);
+}
+
+static cairn_status start(const struct log_header* header) {
+  if (header->window) return start_window(header);
+  return header->handheld ? start_handheld(header) : start_vehicle(header);
+}
+
 static cairn_status process(const struct log_frame* frame, const cairn_image* image,
                             cairn_report* report) {
   const int32_t limit = frame->work_limit;
@@ -63,10 +77,21 @@ static cairn_status process(const struct log_frame* frame, const cairn_image* im
     if (limited != CAIRN_OK) return limited;
     return cairn_vehicle_process_frame(vehicle, image, frame->t_us, report);
   }
+  if (window != NULL) {
+    const cairn_status limited = cairn_window_set_work_limit(
+        window, limit < 0 ? cairn_window_default_parameters().work_limit : limit);
+    if (limited != CAIRN_OK) return limited;
+    return cairn_window_process_frame(window, image, frame->t_us, report);
+  }
   const cairn_status limited = cairn_handheld_set_work_limit(
       handheld, limit < 0 ? cairn_handheld_default_parameters().work_limit : limit);
   if (limited != CAIRN_OK) return limited;
   return cairn_handheld_process_frame(handheld, image, frame->t_us, report);
+}
+
+static uint64_t hash(void) {
+  if (vehicle != NULL) return cairn_vehicle_hash(vehicle);
+  return window != NULL ? cairn_window_hash(window) : cairn_handheld_hash(handheld);
 }
 
 static void print_frame(const struct log_frame* frame, const cairn_report* report) {
@@ -77,7 +102,7 @@ static void print_frame(const struct log_frame* frame, const cairn_report* repor
   cairn_port_write(" ");
   cairn_port_write(cairn_status_text(report->status));
   cairn_port_write(" ");
-  write_hex64(vehicle != NULL ? cairn_vehicle_hash(vehicle) : cairn_handheld_hash(handheld));
+  write_hex64(hash());
   cairn_port_write("\n");
 }
 
@@ -88,20 +113,28 @@ static uint64_t hash_of_pixels(uint32_t count) {
   return hash;
 }
 
+static void place_object(void) {
+  if (vehicle != NULL) {
+    (void)cairn_vehicle_place_object(vehicle, objects, 3.5F, 0.7F);
+  } else if (window != NULL) {
+    (void)cairn_window_place_object(window, objects);
+  } else {
+    (void)cairn_handheld_place_object(handheld, objects);
+  }
+}
+
+static cairn_status draw_objects(const cairn_canvas* canvas) {
+  if (vehicle != NULL) return cairn_vehicle_draw(vehicle, objects, canvas, NULL);
+  return window != NULL ? cairn_window_draw(window, objects, canvas, NULL)
+                        : cairn_handheld_draw(handheld, objects, canvas, NULL);
+}
+
 static cairn_status draw(const struct log_header* header, const struct log_frame* frame,
                          const cairn_report* report) {
   const cairn_canvas canvas = {pixels, header->camera.width, header->camera.height,
                                header->camera.width};
-  if (report->state == CAIRN_TRACKING && cairn_objects_wants_one(objects)) {
-    if (vehicle != NULL) {
-      (void)cairn_vehicle_place_object(vehicle, objects, 3.5F, 0.7F);
-    } else {
-      (void)cairn_handheld_place_object(handheld, objects);
-    }
-  }
-  const cairn_status status = vehicle != NULL
-                                  ? cairn_vehicle_draw(vehicle, objects, &canvas, NULL)
-                                  : cairn_handheld_draw(handheld, objects, &canvas, NULL);
+  if (report->state == CAIRN_TRACKING && cairn_objects_wants_one(objects)) place_object();
+  const cairn_status status = draw_objects(&canvas);
   cairn_port_write("overlay ");
   write_decimal(frame->number);
   cairn_port_write(" ");
@@ -146,7 +179,7 @@ int main(int argc, char** argv) {
   int32_t file = -1;
   struct log_header header;
   if (!log_open(argv[1], &file, &header)) return fail(argv[1], CAIRN_CORRUPT);
-  cairn_status status = header.handheld ? start_handheld(&header) : start_vehicle(&header);
+  cairn_status status = start(&header);
   if (status == CAIRN_OK) {
     status = cairn_objects_initialise(objects_memory.bytes, sizeof objects_memory, 1.0F, &objects);
   }

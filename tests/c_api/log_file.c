@@ -27,6 +27,7 @@ static float f32(const uint8_t* b) {
 
 static void decode_header(const uint8_t* b, struct log_header* header) {
   header->handheld = b[2] == 1;
+  header->window = b[3] == 4;
   header->ackermann = b[4] == 1;
   header->adaptive_fading = b[5] == 1;
   header->camera.width = b[6] | b[7] << 8;

@@ -10,6 +10,7 @@
 
 struct log_header {
   bool handheld;
+  bool window;
   bool ackermann;
   bool adaptive_fading;
   float fading;

@@ -2,3 +2,4 @@
 
 #include "core/src/c_api/handheld_object.hpp"
 #include "core/src/c_api/vehicle_object.hpp"
+#include "core/src/c_api/window_object.hpp"

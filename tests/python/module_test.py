@@ -48,6 +48,19 @@ class Images(unittest.TestCase):
         other.process_frame(wide[:, ::2], 0)
         self.assertEqual(self.tracker.hash, other.hash)
 
+    def test_a_window_takes_the_same_pictures(self):
+        window = cairn.WindowTracker(camera())
+        report = window.process_frame(picture(), 0)
+        self.assertEqual((report["status"], report["state"]), ("ok", "initialising"))
+        self.assertGreater(report["landmarks"], 20)
+        self.assertEqual(window.covariance().shape, (6, 6))
+        with self.assertRaisesRegex(ValueError, "duplicate"):
+            window.process_frame(picture(), 0)
+        parameters = cairn.WindowParameters()
+        parameters.focal_sigma = -1.0
+        with self.assertRaisesRegex(ValueError, "WindowTracker: bad_config"):
+            cairn.WindowTracker(camera(), parameters)
+
     def test_a_frame_in_the_past_is_refused_and_changes_nothing(self):
         self.tracker.process_frame(picture(), 1000)
         before = self.tracker.hash

@@ -13,7 +13,7 @@ sys.path.insert(0, sys.argv[1])
 import cairn  # noqa: E402
 
 HEADER, ODOMETRY, FRAME, END = 1, 2, 3, 4
-HANDHELD, ACKERMANN = 1, 1
+HANDHELD, ACKERMANN, WINDOW = 1, 1, 4
 
 
 def records_of(log):
@@ -30,6 +30,10 @@ def tracker_of(header):
     seed, start_t_us = struct.unpack_from("<Qq", header, 16)
     camera = cairn.Camera(width, height, *struct.unpack_from("<9f", header, 32))
     mounting = numpy.array(struct.unpack_from("<7f", header, 68), numpy.float32)
+    if header[3] == WINDOW:
+        parameters = cairn.WindowParameters()
+        parameters.seed = seed
+        return cairn.WindowTracker(camera, parameters)
     if header[2] == HANDHELD:
         parameters = cairn.HandheldParameters()
         parameters.seed = seed

@@ -27,11 +27,11 @@ constexpr std::uint8_t kOutline[3] = {60, 38, 20};
 
 struct Engine {
   cairn_vehicle_memory vehicle_memory;
-  cairn_handheld_memory handheld_memory;
+  cairn_window_memory window_memory;
   cairn_objects_memory drawn_memory;  // drawn into the drive's frame, as boards do
   cairn_objects_memory shown_memory;  // drawn into the mask: outlines of the shaded ones
   cairn_vehicle* vehicle;
-  cairn_handheld* handheld;
+  cairn_window* window;
   cairn_objects* drawn;
   cairn_objects* shown;
   cairn_camera camera;
@@ -70,7 +70,7 @@ cairn_canvas canvas_of(std::uint8_t* pixels) {
 
 void stop() {
   engine.vehicle = nullptr;
-  engine.handheld = nullptr;
+  engine.window = nullptr;
   engine.reader = cairn_web::ClipReader();
   engine.result = web_result{};
 }
@@ -240,7 +240,7 @@ cairn_status draw(cairn_objects* objects, std::uint8_t* pixels) {
   const cairn_canvas canvas = canvas_of(pixels);
   std::int32_t* const count = &engine.result.drawn;
   return engine.vehicle != nullptr ? cairn_vehicle_draw(engine.vehicle, objects, &canvas, count)
-                                   : cairn_handheld_draw(engine.handheld, objects, &canvas, count);
+                                   : cairn_window_draw(engine.window, objects, &canvas, count);
 }
 
 void show(bool with_frame) {
@@ -287,8 +287,8 @@ void track_drive(const cairn::LogFrame& frame) {
 /// Median depth of the landmarks in front of the camera, 0 where there are none.
 float median_depth() {
   std::size_t count = 0;
-  static_cast<void>(cairn_handheld_get_landmarks(engine.handheld, engine.landmarks,
-                                                 CAIRN_HANDHELD_MAX_LANDMARKS, &count));
+  static_cast<void>(cairn_window_get_landmarks(engine.window, engine.landmarks,
+                                               CAIRN_WINDOW_MAX_LANDMARKS, &count));
   const cairn::Rigid<float> T_camera_map = rigid_of(engine.T_map_camera).inverse();
   float depths[CAIRN_VEHICLE_MAX_LANDMARKS];
   int found = 0;
@@ -356,9 +356,9 @@ std::int32_t web_start_camera(std::int32_t width, std::int32_t height, float fov
   engine.camera.width = width;
   engine.camera.height = height;
   cairn_status status =
-      cairn_handheld_initialise(engine.handheld_memory.bytes, sizeof engine.handheld_memory,
-                                &engine.camera, nullptr, &engine.handheld);
-  if (status == CAIRN_OK) status = cairn_handheld_set_ticks(engine.handheld, &read_ticks, nullptr);
+      cairn_window_initialise(engine.window_memory.bytes, sizeof engine.window_memory,
+                              &engine.camera, nullptr, &engine.window);
+  if (status == CAIRN_OK) status = cairn_window_set_ticks(engine.window, &read_ticks, nullptr);
   if (status == CAIRN_OK) status = make_objects(1.0F);
   return status;
 }
@@ -368,7 +368,7 @@ std::uint8_t* web_camera_picture() {
 }
 
 std::int32_t web_track_camera(double t_us) {
-  if (engine.handheld == nullptr) return CAIRN_NOT_INITIALISED;
+  if (engine.window == nullptr) return CAIRN_NOT_INITIALISED;
   for (int i = 0; i < pixel_count(); ++i) {
     const std::uint8_t* const c = engine.colour + 4 * i;
     engine.grey[i] = static_cast<std::uint8_t>((77 * c[0] + 150 * c[1] + 29 * c[2] + 128) / 256);
@@ -377,24 +377,24 @@ std::int32_t web_track_camera(double t_us) {
   cairn_report report = {};
   constexpr std::int64_t kUntouched = -1;
   report.t_us = kUntouched;
-  const cairn_status status = cairn_handheld_process_frame(
-      engine.handheld, &image, static_cast<std::int64_t>(t_us), &report);
+  const cairn_status status =
+      cairn_window_process_frame(engine.window, &image, static_cast<std::int64_t>(t_us), &report);
   if (report.t_us == kUntouched) return status;
   ++engine.result.number;
   engine.result.t_us = t_us;
-  report_frame(report, cairn_handheld_hash(engine.handheld));
+  report_frame(report, cairn_window_hash(engine.window));
   const std::uint32_t start = web_ticks();
   show(false);
   engine.result.stage_us[WEB_STAGES - 1] = static_cast<std::int32_t>(web_ticks() - start);
   std::size_t count = 0;
-  static_cast<void>(cairn_handheld_get_landmarks(engine.handheld, engine.landmarks,
-                                                 CAIRN_HANDHELD_MAX_LANDMARKS, &count));
+  static_cast<void>(cairn_window_get_landmarks(engine.window, engine.landmarks,
+                                               CAIRN_WINDOW_MAX_LANDMARKS, &count));
   project_landmarks(count);
   return CAIRN_OK;
 }
 
 std::int32_t web_place(float x_px, float y_px) {
-  if (engine.handheld == nullptr) return CAIRN_NOT_INITIALISED;
+  if (engine.window == nullptr) return CAIRN_NOT_INITIALISED;
   std::int32_t count = 0;
   static_cast<void>(cairn_objects_count(engine.shown, &count));
   if (count == 0) {
@@ -404,7 +404,7 @@ std::int32_t web_place(float x_px, float y_px) {
     const cairn_status made = make_objects(height);
     if (made != CAIRN_OK) return made;
   }
-  return cairn_handheld_place_object_at(engine.handheld, engine.shown, x_px, y_px);
+  return cairn_window_place_object_at(engine.window, engine.shown, x_px, y_px);
 }
 
 const web_result* web_last_result() {

@@ -2,7 +2,8 @@
 
 /** @file
  * Cairn in C: camera tracking on a vehicle (cairn_vehicle_...) or of a hand-held camera
- * (cairn_handheld_...), and virtual objects (cairn_objects_...).
+ * (cairn_window_...; cairn_handheld_... where memory is short or a map is to be saved), and
+ * virtual objects (cairn_objects_...).
  *
  * Every object lies in memory that the caller provides; nothing is allocated. A call that can be
  * refused returns a cairn_status; on anything but CAIRN_OK the object is unchanged, unless the call
@@ -19,4 +20,5 @@
 #include "cairn/c_api/sizes.h"
 #include "cairn/c_api/types.h"
 #include "cairn/c_api/vehicle.h"
+#include "cairn/c_api/window.h"
 #include "cairn/version.h"

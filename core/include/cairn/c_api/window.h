@@ -1,0 +1,84 @@
+#pragma once
+
+/** @file
+ * Camera tracking from video alone by a window of keyframes, for video that nobody tuned for:
+ * sturdier than cairn_handheld_..., with the same frames and units. The map's frame is the first
+ * camera; lengths are in a unit of the map's own. What left the view is remembered, and found again
+ * after a loss; it cannot be saved. */
+
+#include "cairn/c_api/objects.h"
+#include "cairn/c_api/sizes.h"
+#include "cairn/c_api/types.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct cairn_window cairn_window;
+
+/** Memory for one tracker: place it where you like. */
+typedef union cairn_window_memory {
+  int64_t alignment;
+  uint8_t bytes[CAIRN_WINDOW_BYTES];
+} cairn_window_memory;
+
+/** The settings that programs change; all others are those of docs/reference/parameters.md. */
+typedef struct cairn_window_parameters {
+  float sigma_px;      /**< standard deviation of a measured pixel, of a picture 640 wide */
+  float focal_sigma;   /**< relative, of the camera's focal length */
+  int32_t work_limit;  /**< units of work a frame */
+  int64_t max_step_us; /**< a longer gap between frames is not integrated */
+  uint64_t seed;       /**< of RANSAC */
+} cairn_window_parameters;
+
+/** Parameters as the tracker has them by default. */
+cairn_window_parameters cairn_window_default_parameters(void);
+
+/** Makes a tracker in `memory` (at least CAIRN_WINDOW_BYTES, aligned to CAIRN_ALIGNMENT).
+ * `parameters` may be NULL: the defaults. On an error `*window` is NULL: CAIRN_INVALID_ARGUMENT
+ * for memory that is too small or not aligned; CAIRN_BAD_CONFIG for an impossible camera or
+ * parameter. */
+cairn_status cairn_window_initialise(void* memory, size_t bytes, const cairn_camera* camera,
+                                     const cairn_window_parameters* parameters,
+                                     cairn_window** window);
+
+/** Starts anew with an empty map. */
+cairn_status cairn_window_reset(cairn_window* window);
+
+/** As cairn_vehicle_process_frame(). */
+cairn_status cairn_window_process_frame(cairn_window* window, const cairn_image* image,
+                                        int64_t t_us, cairn_report* report);
+
+/** As cairn_vehicle_set_work_limit(). */
+cairn_status cairn_window_set_work_limit(cairn_window* window, int32_t units);
+
+/** As cairn_vehicle_set_ticks(). */
+cairn_status cairn_window_set_ticks(cairn_window* window, cairn_read_ticks read, void* context);
+
+/** As cairn_handheld_get_covariance(). */
+cairn_status cairn_window_get_covariance(const cairn_window* window, float covariance[36]);
+
+/** The landmarks that are followed, as cairn_vehicle_get_landmarks(); at most
+ * CAIRN_WINDOW_MAX_LANDMARKS. */
+cairn_status cairn_window_get_landmarks(const cairn_window* window, cairn_landmark* landmarks,
+                                        size_t capacity, size_t* count);
+
+cairn_status cairn_window_get_health(const cairn_window* window, cairn_health* health);
+
+/** As cairn_vehicle_hash(). */
+uint64_t cairn_window_hash(const cairn_window* window);
+
+/** As cairn_handheld_place_object(). */
+cairn_status cairn_window_place_object(const cairn_window* window, cairn_objects* objects);
+
+/** As cairn_handheld_place_object_at(). */
+cairn_status cairn_window_place_object_at(const cairn_window* window, cairn_objects* objects,
+                                          float x_px, float y_px);
+
+/** As cairn_vehicle_draw(). */
+cairn_status cairn_window_draw(const cairn_window* window, cairn_objects* objects,
+                               const cairn_canvas* canvas, int32_t* drawn);
+
+#ifdef __cplusplus
+}
+#endif
