@@ -1,6 +1,8 @@
-# Headers that many test programs include, compiled once; most of a small test's compile time.
+# cairn_precompile(LIBRARY HEADERS ... LIBRARIES ...): headers that many test programs include, compiled once: most of
+# a small test's compile time. With CAIRN_UNITY_BUILD alone: compiler caches miss what follows precompiled headers,
+# unless they are told better.
 function(cairn_precompile library)
-  if(NOT TARGET ${library})
+  if(CAIRN_UNITY_BUILD AND NOT TARGET ${library})
     cmake_parse_arguments(arg "" "" "HEADERS;LIBRARIES" ${ARGN})
     add_library(${library} OBJECT ${PROJECT_SOURCE_DIR}/tests/precompiled.cpp)
     target_link_libraries(${library} PRIVATE ${arg_LIBRARIES} cairn_warnings)
@@ -20,7 +22,9 @@ function(cairn_test name)
   target_link_libraries(${name} PRIVATE cairn::core cairn_warnings GTest::gtest_main ${arg_LIBRARIES})
   cairn_precompile(cairn_test_headers
     HEADERS <gtest/gtest.h> <Eigen/Core> <Eigen/Dense> LIBRARIES cairn::core GTest::gtest_main)
-  target_precompile_headers(${name} REUSE_FROM cairn_test_headers)
+  if(TARGET cairn_test_headers)
+    target_precompile_headers(${name} REUSE_FROM cairn_test_headers)
+  endif()
   add_test(NAME ${name} COMMAND ${name})
 endfunction()
 
@@ -54,11 +58,15 @@ function(cairn_use_built_trackers)
   if(NOT TARGET cairn_host_trackers)
     return()
   endif()
-  cairn_precompile(cairn_tracker_headers
-    HEADERS ${PROJECT_SOURCE_DIR}/host_sim/replay/core_trackers.hpp LIBRARIES cairn_host_trackers)
+  set(trackers ${PROJECT_SOURCE_DIR}/host_sim/replay/core_trackers.hpp)
+  cairn_precompile(cairn_tracker_headers HEADERS ${trackers} LIBRARIES cairn_host_trackers)
   foreach(target ${ARGN})
     target_link_libraries(${target} PRIVATE cairn_host_trackers)
-    set_target_properties(${target} PROPERTIES PRECOMPILE_HEADERS_REUSE_FROM cairn_tracker_headers)
+    if(TARGET cairn_tracker_headers)
+      set_target_properties(${target} PROPERTIES PRECOMPILE_HEADERS_REUSE_FROM cairn_tracker_headers)
+    else()
+      target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:SHELL:-include ${trackers}>)
+    endif()
   endforeach()
 endfunction()
 
