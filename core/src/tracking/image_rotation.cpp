@@ -125,8 +125,10 @@ void ImageRotation::take(const ImageView& image) {
 }
 
 ImageRotation::Optics ImageRotation::optics_of(const PinholeCamera<float>& camera) const {
-  const float width = static_cast<float>(camera.width / kColumns);
-  const float height = static_cast<float>(camera.height / kRows);
+  const int whole_width = camera.width / kColumns;
+  const int whole_height = camera.height / kRows;
+  const float width = static_cast<float>(whole_width);
+  const float height = static_cast<float>(whole_height);
   return {camera.fx / width, camera.fy / height, (camera.cx + 0.5F) / width - 0.5F,
           (camera.cy + 0.5F) / height - 0.5F};
 }

@@ -76,8 +76,9 @@ class FeatureSupply {
   template <class Leaves>
   void close_cells(const Leaves& leaves) {
     for (int cell = 0; cell < kCells; ++cell) {
+      const int row = cell / kColumns;
       const Vector2<float> place(static_cast<float>(cell % kColumns) + 0.5F,
-                                 static_cast<float>(cell / kColumns) + 0.5F);
+                                 static_cast<float>(row) + 0.5F);
       const Vector2<float> size(static_cast<float>(cell_width_), static_cast<float>(cell_height_));
       if (leaves(Vector2<float>(place.cwiseProduct(size)))) ++counts_[cell];
     }
