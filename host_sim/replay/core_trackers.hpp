@@ -12,6 +12,7 @@
 /// library cairn_host_trackers: a compiler takes many seconds for each.
 ///
 /// CAIRN_TRACKER_<filter>(prefix, Config): explicit instantiations of a filter and its tracker.
+// NOLINTBEGIN(bugprone-macro-parentheses): template arguments take none
 #define CAIRN_VEHICLE_TRACKER(prefix, Config, ...) \
   prefix class FrameTracker<Config, __VA_ARGS__>;  \
   prefix class VehicleTracker<Config, __VA_ARGS__>;
@@ -33,6 +34,7 @@
   CAIRN_TRACKER_ekf(prefix, Config) CAIRN_TRACKER_group_iekf(prefix, Config)       \
       CAIRN_TRACKER_lifted_iekf(prefix, Config) CAIRN_TRACKER_mono(prefix, Config) \
           CAIRN_TRACKER_window(prefix, Config)
+// NOLINTEND(bugprone-macro-parentheses)
 
 namespace cairn {
 
