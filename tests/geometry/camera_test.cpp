@@ -89,6 +89,27 @@ TEST(CameraDistortion, EveryPixelOfAWideLensHasItsRay) {
   }
 }
 
+TEST(CameraFocalScale, KeepsThePixelsOfNarrowerRays) {
+  PinholeCamera<double> camera = lens(500.0, 0.2, -0.6, 0.5, 0.001, -0.002);
+  for (const bool rational : {false, true}) {
+    if (rational) {
+      camera.k4 = 0.05;
+      camera.k5 = -0.02;
+      camera.k6 = 0.01;
+    }
+    for (const double scale : {0.8, 1.0, 1.15}) {
+      const PinholeCamera<double> scaled = camera.with_focal_scale(scale);
+      for (const double x : {-0.5, 0.1, 0.4}) {
+        Vector2<double> told;
+        Vector2<double> pixel;
+        ASSERT_TRUE(ok(camera.project(Vector3<double>(scale * x, scale * 0.3, 1.0), told)));
+        ASSERT_TRUE(ok(scaled.project(Vector3<double>(x, 0.3, 1.0), pixel)));
+        EXPECT_LT((pixel - told).norm(), 1e-9);
+      }
+    }
+  }
+}
+
 TEST(CameraDistortion, ALensThatFoldsInsideTheImageIsRefused) {
   const PinholeCamera<double> lenses[] = {lens(300.0, -0.30, 0.0),  // folds at 46 degrees
                                           lens(400.0, -0.405, 0.267, -0.130),

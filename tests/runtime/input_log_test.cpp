@@ -202,6 +202,27 @@ TEST(InputLog, KeepsALensBesideThePlainOne) {
   }
 }
 
+TEST(InputLog, KeepsHowWellTheFocalLengthIsKnown) {
+  for (const bool rational : {false, true}) {
+    InputLogHeader header = make_header();
+    header.focal_sigma_e4 = 1500;
+    if (rational) header.camera.k4 = 0.01F;
+    Memory memory;
+    InputLogWriter<Memory> writer(memory);
+    ASSERT_EQ(writer.begin(header), Status::kOk);
+    ASSERT_EQ(writer.end(), Status::kOk);
+    EXPECT_EQ(memory.bytes[detail::kLogMagicBytes + detail::kLogRecordHeadBytes],
+              kInputLogFocalVersion);
+    const Replay replay = read_log(memory);
+    ASSERT_EQ(replay.status, Status::kOk);
+    EXPECT_EQ(replay.header.focal_sigma_e4, 1500);
+    EXPECT_EQ(replay.header.camera.k4, header.camera.k4);
+  }
+  InputLogHeader header = make_header();
+  header.focal_sigma_e4 = 10001;
+  EXPECT_EQ(header.validate(), Status::kBadConfig);
+}
+
 TEST(InputLog, RefusesAnotherVersion) {
   Memory memory = make_log();
   const std::size_t payload = detail::kLogMagicBytes + detail::kLogRecordHeadBytes;

@@ -35,8 +35,11 @@ struct Walk {
   int frame = 0;
   int most_work = 0;
 
-  explicit Walk(const Tracker::Parameters& parameters = {}) {
-    EXPECT_TRUE(ok(tracker->initialise(test::to_float(test::small_camera()), parameters)));
+  explicit Walk(const Tracker::Parameters& parameters = {}, float focal_error = 0.0F) {
+    PinholeCamera<float> camera = test::to_float(test::small_camera());
+    camera.fx *= 1.0F + focal_error;
+    camera.fy *= 1.0F + focal_error;
+    EXPECT_TRUE(ok(tracker->initialise(camera, parameters)));
   }
   void show(const Image& image) {
     static_cast<void>(tracker->process_frame(test::view(image, test::small_camera()),
@@ -166,6 +169,75 @@ TEST(WindowTracker, LittleWorkLeavesThePoseFirst) {
   EXPECT_NE(run.report.state, TrackingState::kLost);
   EXPECT_GT(run.tracker->health().budget_exceeded, 0U);
   EXPECT_LT(attitude_error(run, 29), 0.05F);
+}
+
+/// Sideways, while the camera turns towards where it came from and back.
+const Image& turning(int k) {
+  static std::vector<Image> images;
+  while (static_cast<int>(images.size()) <= k) {
+    const double t = 0.018 * static_cast<double>(images.size());
+    double sine = 0.0;
+    double cosine = 1.0;
+    sin_cos(6.0 * t, sine, cosine);
+    images.push_back(
+        test::render_two_walls({rotation_exp(Vector3<double>(0.1 * sine, 0.3 * sine, 0.05 * sine)),
+                                {-0.6 * t, 0.2 * t, 0.0}}));
+  }
+  return images[static_cast<std::size_t>(k)];
+}
+
+FocalScale focal_scale_after_turns(float told_error, float told_sigma) {
+  Tracker::Parameters parameters;
+  parameters.window.focal_sigma = told_sigma;
+  Walk run(parameters, told_error);
+  for (int k = 0; k < 50; ++k) run.show(turning(k));
+  EXPECT_EQ(run.tracker->health().losses, 0U);
+  const FocalScale scale = run.tracker->focal_scale();
+  const float told = (1.0F + told_error) * test::to_float(test::small_camera()).fx;
+  EXPECT_FLOAT_EQ(run.tracker->camera().fx, scale.value * told);
+  return scale;
+}
+
+TEST(WindowTracker, FindsAFocalLengthThatWasAGuess) {
+  for (const float error : {-0.15F, 0.15F}) {
+    const FocalScale scale = focal_scale_after_turns(error, 0.15F);
+    EXPECT_NEAR((1.0F + error) * scale.value, 1.0F, 0.06F) << error;
+    EXPECT_LT(abs((1.0F + error) * scale.value - 1.0F), 3.0F * scale.sigma) << error;
+    EXPECT_LT(scale.sigma, 0.08F) << error;
+    EXPECT_EQ(scale.told_sigma, 0.15F);
+  }
+}
+
+TEST(WindowTracker, BelievesAFocalLengthThatIsKnown) {
+  const FocalScale scale = focal_scale_after_turns(0.05F, 0.0F);
+  EXPECT_EQ(scale.value, 1.0F);
+  EXPECT_EQ(scale.sigma, 0.0F);
+}
+
+/// An unknown focal length makes the attitude uncertain by its share of the turn; all else that
+/// does is left out.
+TEST(WindowTracker, CountsTheFocalLengthInTheAttitude) {
+  constexpr float kTurn = 0.3F;  // about y, after a quarter of the period
+  Tracker::Parameters parameters;
+  parameters.lens_sigma = 0.0F;
+  parameters.covariance_factor = 0.01F;
+  for (const float told_sigma : {0.0F, 0.15F}) {
+    parameters.window.focal_sigma = told_sigma;
+    Walk run(parameters);
+    for (int k = 0; k < 15; ++k) run.show(turning(k));
+    const float expected = run.tracker->focal_scale().sigma * kTurn;
+    const float sigma = sqrt(run.tracker->pose_covariance()(4, 4));
+    EXPECT_GT(sigma, 0.5F * expected);
+    EXPECT_LT(sigma, 1.5F * expected + 0.001F);
+  }
+}
+
+TEST(WindowTracker, BelievesTheFocalLengthOfAFisheye) {
+  PinholeCamera<float> camera = test::to_float(test::small_camera());
+  camera.lens = Lens::kFisheye;
+  const auto tracker = std::make_unique<Tracker>();
+  ASSERT_TRUE(ok(tracker->initialise(camera, {})));
+  EXPECT_EQ(tracker->focal_scale().told_sigma, 0.0F);
 }
 
 TEST(WindowTracker, RefusesWhatItCannotUse) {

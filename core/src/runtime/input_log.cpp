@@ -72,6 +72,11 @@ bool is_within(float value, float low, float high) {
   return value >= low && value <= high;  // false for NaN
 }
 
+std::uint16_t version_of(bool with_focal, bool with_lens) {
+  if (with_focal) return kInputLogFocalVersion;
+  return with_lens ? kInputLogLensVersion : kInputLogVersion;
+}
+
 bool is_unit(const Quaternion<float>& q) {
   return is_within(q.squaredNorm(), 0.999F, 1.001F);
 }
@@ -93,7 +98,8 @@ Status InputLogHeader::validate() const {
                       is_within(start_position_variance, 0.0F, 1e6F) &&
                       is_within(start_heading_variance, 0.0F, 1e3F);
   const bool rates = is_within(odometry_period_s, 1e-4F, 1e2F) &&
-                     is_within(frame_rate_hz, 1e-2F, 1e4F) && is_within(fading, 1.0F, 2.0F);
+                     is_within(frame_rate_hz, 1e-2F, 1e4F) && is_within(fading, 1.0F, 2.0F) &&
+                     focal_sigma_e4 <= 10000;
   return places && noises && rates && tilt.valid() ? Status::kOk : Status::kBadConfig;
 }
 
@@ -160,14 +166,14 @@ void encode_lens(const PinholeCamera<float>& camera, std::uint8_t (&bytes)[kLogL
 void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]) {
   std::memset(bytes, 0, kLogHeaderBytes);
   Packer pack(bytes);
-  pack.u16(has_lens_bytes(header.camera) ? kInputLogLensVersion : kInputLogVersion);
+  pack.u16(version_of(header.focal_sigma_e4 > 0, has_lens_bytes(header.camera)));
   pack.u8(static_cast<std::uint8_t>(header.mode));
   pack.u8(static_cast<std::uint8_t>(header.filter));
   pack.u8(static_cast<std::uint8_t>(header.odometry_kind));
   pack.u8(header.adaptive_fading ? 1 : 0);
   pack.u16(static_cast<std::uint16_t>(header.camera.width));
   pack.u16(static_cast<std::uint16_t>(header.camera.height));
-  pack.u16(0);
+  pack.u16(header.focal_sigma_e4);
   pack.f32(header.fading);
   pack.u64(header.seed);
   pack.u64(static_cast<std::uint64_t>(header.start_t_us));
@@ -190,9 +196,9 @@ void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeade
 Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::uint8_t* lens,
                      InputLogHeader& header) {
   Unpacker unpack(bytes);
-  if (unpack.u16() != (lens != nullptr ? kInputLogLensVersion : kInputLogVersion)) {
-    return Status::kVersionMismatch;
-  }
+  const std::uint16_t version = unpack.u16();
+  const bool with_focal = version == kInputLogFocalVersion;
+  if (version != version_of(with_focal, lens != nullptr)) return Status::kVersionMismatch;
   const std::uint8_t mode = unpack.u8();
   const std::uint8_t filter = unpack.u8();
   const std::uint8_t odometry_kind = unpack.u8();
@@ -205,7 +211,8 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::ui
   header.adaptive_fading = adaptive == 1;
   header.camera.width = unpack.u16();
   header.camera.height = unpack.u16();
-  unpack.u16();
+  const std::uint16_t focal_sigma_e4 = unpack.u16();
+  header.focal_sigma_e4 = with_focal ? focal_sigma_e4 : std::uint16_t{0};
   header.fading = unpack.f32();
   header.seed = unpack.u64();
   header.start_t_us = static_cast<std::int64_t>(unpack.u64());

@@ -77,6 +77,24 @@ struct PinholeCamera {
   /// The same ray without the status.
   Vector3<T> unproject(const Vector2<T>& pixel) const;
 
+  /// The camera that sees a direction (x, y, 1) where this one sees (scale x, scale y, 1): another
+  /// focal length, every pixel's distortion as it is. Domain: scale above 0, no fisheye lens.
+  PinholeCamera with_focal_scale(T scale) const {
+    const T squared = scale * scale;
+    PinholeCamera scaled = *this;
+    scaled.fx *= scale;
+    scaled.fy *= scale;
+    scaled.k1 *= squared;
+    scaled.k2 *= squared * squared;
+    scaled.p1 *= scale;
+    scaled.p2 *= scale;
+    scaled.k3 *= squared * squared * squared;
+    scaled.k4 *= squared;
+    scaled.k5 *= squared * squared;
+    scaled.k6 *= squared * squared * squared;
+    return scaled;
+  }
+
   bool has_distortion() const {
     return k1 != T(0) || k2 != T(0) || p1 != T(0) || p2 != T(0) || k3 != T(0) || is_rational() ||
            lens == Lens::kFisheye;

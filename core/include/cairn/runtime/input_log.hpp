@@ -15,9 +15,11 @@ namespace cairn {
 /// target. Little endian. "CAIRNLOG", then records of {u8 type, u8[3] zero, u32 payload bytes,
 /// payload, u32 CRC-32 (IEEE 802.3) of all before it in the record}: one header, then odometry and
 /// frames in time order, then one end record with their counts. A log of a rational or a fisheye
-/// lens has a header with 16 bytes more and version kInputLogLensVersion.
+/// lens has a header with 16 bytes more and version kInputLogLensVersion; one whose focal length is
+/// estimated, with either header, has kInputLogFocalVersion.
 inline constexpr std::uint16_t kInputLogVersion = 3;
 inline constexpr std::uint16_t kInputLogLensVersion = 4;
+inline constexpr std::uint16_t kInputLogFocalVersion = 5;
 
 enum class LogMode : std::uint8_t { kVehicle = 0, kHandheld = 1 };
 enum class LogFilter : std::uint8_t {
@@ -36,6 +38,8 @@ struct InputLogHeader {
   OdometrySample::Kind odometry_kind = OdometrySample::Kind::kTwist;
   bool adaptive_fading = false;
   float fading = 1.0F;  ///< fading-memory factor S, 1 <= S <= 2
+  /// Of the focal length, in 1/10,000 of it, at most 10,000. kWindow alone.
+  std::uint16_t focal_sigma_e4 = 0;
   std::uint64_t seed = 1;
   std::int64_t start_t_us = 0;  ///< time of the start pose: the first frame's
   PinholeCamera<float> camera;

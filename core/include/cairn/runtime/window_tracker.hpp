@@ -4,6 +4,7 @@
 
 #include "cairn/base/config.hpp"
 #include "cairn/base/hash.hpp"
+#include "cairn/geometry/focal_scale.hpp"
 #include "cairn/tracking/frame_input.hpp"
 #include "cairn/tracking/handheld_rotation.hpp"
 #include "cairn/tracking/repeated_image.hpp"
@@ -40,6 +41,9 @@ inline constexpr int shrunk_image(int width, int height) {
 /// it believes to be, with the depth that it saw last, so that the scale is kept roughly. It has no
 /// map library: what left the view is forgotten.
 ///
+/// The focal length is a state of the window (WindowParameters::focal_sigma says how well the
+/// camera file knows it), but for a fisheye lens.
+///
 /// Deterministic, without random numbers. All storage is inside. One frame costs at most
 /// kWindowFeatures template searches, three poses, one pass of corner detection after a keyframe;
 /// the window's iterations wait for frames whose work affords them, and at most four frames for the
@@ -70,7 +74,7 @@ class WindowTracker {
     int max_outliers = 2;           ///< of a feature, in a row; then it is given up
     int weak_frames = 3;            ///< in a row, after which tracking is lost
     float known_depth = 0.3F;       ///< relative sigma below which a depth counts as known
-    float focal_sigma = 0.03F;      ///< relative, of the camera file: in the attitude's covariance
+    float lens_sigma = 0.03F;       ///< of turns, relative: what else the calibration gets wrong
     /// Of the sigma: the square root of 64 landmarks, as if they shared all of their errors.
     float covariance_factor = 8.0F;
     float blind_rate_radps = 1.0F;      ///< sigma of a turn while too few landmarks are seen
@@ -88,7 +92,7 @@ class WindowTracker {
                         standing_px >= 0.0F && min_inliers >= 4 && share(min_inlier_share) &&
                         max_outliers >= 1 && max_outliers < 255 && is_finite(forget_s) &&
                         forget_s >= 0.0F && astray_features >= 0 && weak_frames >= 0 &&
-                        is_positive(known_depth) && is_finite(focal_sigma) && focal_sigma >= 0.0F &&
+                        is_positive(known_depth) && is_finite(lens_sigma) && lens_sigma >= 0.0F &&
                         is_positive(covariance_factor) && is_finite(blind_rate_radps) &&
                         blind_rate_radps >= 0.0F && work_limit >= 0 && max_step_us > 0 &&
                         max_step_us <= FrameInput::kLongestStepUs;
@@ -121,7 +125,12 @@ class WindowTracker {
   /// As HandheldTracker::set_work_limit().
   Status set_work_limit(int units) { return work_.set_limit(units); }
 
+  /// With the focal length as it is estimated.
   const PinholeCamera<float>& camera() const { return camera_; }
+  /// What the motion shows of the focal length. Where it does not, it stays as told.
+  FocalScale focal_scale() const {
+    return {window_.focal_scale(), window_.focal_sigma(), parameters_.window.focal_sigma};
+  }
   Rigid<float> T_world_camera() const { return T_camera_world_.inverse(); }
   /// Of the pose, tangent (translation, rotation rad) in the axes of the camera: of the attitude
   /// relative to the first camera, of the position relative to the window's fixed keyframes.
@@ -185,10 +194,13 @@ class WindowTracker {
   void keep_memory(FrameContext& frame);
   void seek_map(FrameContext& frame, const FrameStep& step, bool holds);
   void return_to_map(FrameContext& frame);
+  void follow_focal() { camera_ = told_.with_focal_scale(window_.focal_scale()); }
   void update_covariance();
+  Matrix3<float> attitude_by_focal() const;
 
   Parameters parameters_;
-  PinholeCamera<float> camera_;
+  PinholeCamera<float> told_;    ///< by initialise()
+  PinholeCamera<float> camera_;  ///< with the focal length as it is estimated
   Window window_;
   Features features_;
   Memory memory_;

@@ -8,6 +8,7 @@
 #include "cairn/estimation/observation.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/window/focal_belief.hpp"
 #include "cairn/window/inverse_depth_view.hpp"
 #include "cairn/window/schur_solve.hpp"
 #include "cairn/window/window_bounds.hpp"
@@ -19,14 +20,17 @@ template <class T>
 struct WindowParameters {
   T sigma = T(0.0015);  ///< of a measured direction, each axis: pixels / focal length
   T huber_sigma = T(1.5);
-  T outlier_sigma = T(4);        ///< observations farther off are forgotten
-  T first_inverse_depth = T(1);  ///< of landmarks while no depth is known
-  T depth_prior_sigma = T(0.5);  ///< of a new landmark, relative to its inverse depth
-  T sigma_factor = T(1.5);       ///< of an inverse depth, over what its own observations give
-  int iterations = 6;            ///< after a keyframe
-  int mirrored_keyframes = 6;    ///< with parallax, until which the mirrored relief is tried,
-  int mirrored_iterations = 10;  ///< by so many iterations,
-  T mirrored_gain = T(0.9);      ///< and taken where its cost is below this share of the other's
+  T outlier_sigma = T(4);          ///< observations farther off are forgotten
+  T first_inverse_depth = T(1);    ///< of landmarks while no depth is known
+  T depth_prior_sigma = T(0.5);    ///< of a new landmark, relative to its inverse depth
+  T sigma_factor = T(1.5);         ///< of an inverse depth, over what its own observations give
+  int iterations = 6;              ///< after a keyframe
+  int mirrored_keyframes = 6;      ///< with parallax, until which the mirrored relief is tried,
+  int mirrored_iterations = 10;    ///< by so many iterations,
+  T mirrored_gain = T(0.9);        ///< and taken where its cost is below this share of the other's
+  T focal_sigma = T(0.05);         ///< of the focal length, relative; 0: it is not estimated
+  T focal_factor = T(4);           ///< of its sigma, over what a window's pixels alone give
+  T focal_window_sigma = T(0.03);  ///< relative, of what one window says of it, at least
 
   /// kBadConfig unless every value is finite and in its domain.
   Status validate() const {
@@ -35,7 +39,9 @@ struct WindowParameters {
                       is_positive(depth_prior_sigma) && is_positive(sigma_factor) &&
                       iterations >= 1 && iterations <= 100 && mirrored_keyframes >= 0 &&
                       mirrored_iterations >= 1 && mirrored_iterations <= 100 &&
-                      mirrored_gain >= T(0) && mirrored_gain <= T(1);
+                      mirrored_gain >= T(0) && mirrored_gain <= T(1) && is_finite(focal_sigma) &&
+                      focal_sigma >= T(0) && focal_sigma <= T(1) && is_positive(focal_factor) &&
+                      is_finite(focal_window_sigma) && focal_window_sigma >= T(0);
     return good ? Status::kOk : Status::kBadConfig;
   }
 };
@@ -50,7 +56,12 @@ struct WindowParameters {
 /// From few views a relief and its mirror image explain the picture alike. After each of the first
 /// keyframes the mirrored solution is therefore improved too, and kept where it explains more.
 ///
-/// Poses are T_camera_world. Directions are (x / z, y / z) without distortion. Work is spread:
+/// The focal length is estimated with them, as a factor on the one that the directions are measured
+/// with; what windows that left said of it is kept (FocalBelief). A pose that is fixed is so for a
+/// given focal length: it moves with it as it would have when it was estimated.
+///
+/// Poses are T_camera_world. Directions are (x / z, y / z) without distortion, by the focal length
+/// as it is estimated when they are given or asked for. Work is spread:
 /// step() is one iteration, wanted while working(). Cost of a step: two passes over the
 /// observations in the window (at most kKeyframes * kLandmarks, some 150 and 40 multiply-adds
 /// each), (6 (kKeyframes - 1))^2 / 2 multiply-adds a landmark, one solve.
@@ -60,7 +71,7 @@ class KeyframeWindow {
   static constexpr int kKeyframes = Bounds::kKeyframes;
   static constexpr int kLandmarks = Bounds::kLandmarks;
   static constexpr int kPoses = Bounds::kPoses;
-  static constexpr int kMaxStates = 6 * (kKeyframes - 1);
+  static constexpr int kMaxStates = 6 * (kKeyframes - 1) + 1;  ///< the last: the focal length
   static_assert(kKeyframes >= 3 && kKeyframes <= 8, "observations are flagged in a byte");
   static_assert(kPoses > kKeyframes && kPoses <= 127 && kLandmarks <= 1024, "bounds");
 
@@ -143,6 +154,12 @@ class KeyframeWindow {
   }
   int newest() const { return slot_of_[order_.back()]; }
 
+  /// Focal length, as a factor on the one that was told, and its standard deviation.
+  T focal_scale() const { return now().focal; }
+  T focal_sigma() const { return focal_sigma_; }
+  /// How the newest keyframe's pose, a perturbation, follows from the focal scale.
+  const Vector<T, 6>& newest_by_focal() const { return by_focal_[newest()]; }
+
   void hash(Hash64& hash) const;
 
  private:
@@ -151,6 +168,7 @@ class KeyframeWindow {
   static constexpr int kStepBase = 140;
   static constexpr int kStepLandmark = 4;
   static constexpr int kStepObservation = 1;
+  static constexpr int kStepFocal = 10;  ///< part that the focal length adds
 
   struct Landmark {
     LandmarkId id = kNoLandmark;
@@ -167,6 +185,7 @@ class KeyframeWindow {
   struct Solution {
     Rigid<T> pose[kPoses];
     T rho[kLandmarks];
+    T focal = T(1);
   };
   using Reduced = LandmarkEquation<T, kMaxStates>;
 
@@ -178,7 +197,18 @@ class KeyframeWindow {
   void drop(int index);
   int worst_keyframe(const Rigid<T>& newest) const;
   int fixed() const { return started_ > kKeyframes ? 2 : 1; }
+  int pose_states() const { return order_.size() > fixed() ? 6 * (order_.size() - fixed()) : 0; }
+  bool estimates_focal() const { return belief_.uncertain() && pose_states() > 0; }
+  /// Weight of what is known of the focal length beside the window's observations.
+  T focal_weight() const { return focal_excess_ * belief_.information(); }
+  /// As told, and as the focal length is estimated.
+  Vector2<T> as_told(const Vector2<T>& direction) const { return now().focal * direction; }
+  Vector2<T> as_estimated(const Vector2<T>& told) const { return T(1) / now().focal * told; }
+  T focal_cost(const Solution& solution) const {
+    return T(0.5) * focal_weight() * square(solution.focal - belief_.mean());
+  }
   void number_states(int* states) const;
+  void move_fixed(const int* states, T focal_step, Solution& solution) const;
   int observers(const Landmark& landmark) const;
   void forget_unused();
   void begin_mirror();
@@ -189,6 +219,7 @@ class KeyframeWindow {
   void improve();
   void improve_mirrored();
   void assess();
+  void assess_focal();
   void forget_outliers();
   T prior_cost(const Solution& solution, int slot) const;
 
@@ -214,6 +245,11 @@ class KeyframeWindow {
   System reduced_system_;
   Solution trial_ = {};
   Matrix<T, 6, 6> newest_covariance_ = Matrix<T, 6, 6>::Zero();
+  FocalBelief<T> belief_;
+  Vector<T, 6> by_focal_[kPoses];  ///< how a pose follows from the focal scale
+  T focal_sigma_ = T(0);
+  T focal_excess_ =
+      T(1);  ///< variance of what the window says of it, over that of its pixels alone
   bool anchored_ = false;
   bool solved_ = false;  ///< reduced_system_ holds its factors
 };
@@ -222,3 +258,4 @@ class KeyframeWindow {
 
 #include "cairn/window/detail/keyframe_window_impl.hpp"
 #include "cairn/window/detail/window_equations.hpp"
+#include "cairn/window/detail/window_iteration.hpp"

@@ -12,10 +12,11 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   if (!ok(status)) return status;
   Parameters scaled = parameters.scaled_to(camera.width, camera.height);
   scaled.window.sigma = scaled.sigma_px / camera.fx;
+  if (camera.lens == Lens::kFisheye) scaled.window.focal_sigma = 0.0F;
   status = window_.initialise(scaled.window);
   if (!ok(status)) return status;
   parameters_ = scaled;
-  camera_ = camera;
+  told_ = camera_ = camera;
   features_.reset(scaled.features);
   memory_.reset(scaled.memory);
   motion_.reset();
@@ -185,7 +186,7 @@ void WindowTracker<Config>::find_features(FrameContext& frame, const Rigid<float
   Rigid<float> pose = predicted;
   Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
   WindowPoseOptions<float> options;
-  options.sigma = parameters_.window.sigma;
+  options.sigma = parameters_.window.sigma / window_.focal_scale();
   const int found = gather(sightings_, sighted_);
   frame.work.spend(work::window_pose(found));
   const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
@@ -214,7 +215,7 @@ template <class Config>
 int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& predicted,
                                     Rigid<float>& pose) {
   WindowPoseOptions<float> options;
-  options.sigma = parameters_.window.sigma;
+  options.sigma = parameters_.window.sigma / window_.focal_scale();
   const int found = gather(sightings_, sighted_);
   frame.work.spend(work::window_pose(found));
   pose = predicted;

@@ -52,6 +52,7 @@ void WindowTracker<Config>::improve_window(FrameContext& frame) {
     window_.step();
     frames_without_step_ = 0;
   }
+  follow_focal();
   Rigid<float> from_newest = T_camera_world_ * before.inverse();
   if (window_.mirrored() != mirrored) {
     from_newest.translation = -from_newest.translation;
@@ -74,7 +75,7 @@ void WindowTracker<Config>::note_weak(FrameContext& frame) {
   if (weak_frames_ <= parameters_.weak_frames && features_.size() >= parameters_.min_inliers)
     return;
   ++health_.losses;
-  if (!astray_) lost_attitude_ = attitude_[window_.newest()];
+  if (!astray_) lost_attitude_ = attitude_[window_.newest()] + attitude_by_focal();
   astray_ = !memory_.library_too_small();
   astray_s_ = 0.0F;
   returned_ = false;
@@ -99,6 +100,7 @@ bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   const bool first = state_ == TrackingState::kInitialising;
   window_.clear(typical_inverse_depth_ > 0.0F ? typical_inverse_depth_
                                               : parameters_.window.first_inverse_depth);
+  follow_focal();
   features_.clear();
   motion_.forget();
   weak_frames_ = 0;
@@ -129,8 +131,8 @@ int WindowTracker<Config>::known_depths() const {
 }
 
 /// The attitude's error is that of the window's reference when it was the newest keyframe, of the
-/// newest keyframe relative to it, of the frame relative to the landmarks, and what the focal
-/// length's error makes of all turns.
+/// newest keyframe relative to it, of the frame relative to the landmarks, what the focal length's
+/// error makes of them, and the rest of the calibration of all turns.
 template <class Config>
 void WindowTracker<Config>::update_covariance() {
   if (window_.keyframes() == 0) return;
@@ -145,14 +147,28 @@ void WindowTracker<Config>::update_covariance() {
   }
   const Matrix3<float> R_world_camera = T_camera_world_.rotation.conjugate().toRotationMatrix();
   const Vector3<float> turned = rotation_log(T_camera_world_.rotation);
-  const float unknown = square(parameters_.focal_sigma) * turned.squaredNorm() +
+  const float unknown = square(parameters_.lens_sigma) * turned.squaredNorm() +
                         square(parameters_.blind_rate_radps * blind_s_);
   covariance_ = Matrix<float, 6, 6>::Zero();
   const Matrix<float, 6, 6> own = inflation * (frame_covariance_ + newest);
   covariance_.topLeftCorner<3, 3>() = own.bottomRightCorner<3, 3>();
   covariance_.bottomRightCorner<3, 3>() =
-      R_world_camera.transpose() * attitude_[window_.newest()] * R_world_camera +
+      R_world_camera.transpose() * (attitude_[window_.newest()] + attitude_by_focal()) *
+          R_world_camera +
       inflation * frame_covariance_.topLeftCorner<3, 3>() + unknown * Matrix3<float>::Identity();
+}
+
+/// The attitude's covariance from the focal length's, in world axes: the newest keyframe follows it
+/// as the window says, and what the camera turned since shrinks as it grows.
+template <class Config>
+Matrix3<float> WindowTracker<Config>::attitude_by_focal() const {
+  const FocalScale focal = focal_scale();
+  const Quaternion<float> since =
+      T_camera_world_.rotation * window_.newest_pose().rotation.conjugate();
+  const Vector3<float> follows =
+      window_.newest_pose().rotation.conjugate() * window_.newest_by_focal().template head<3>() -
+      T_camera_world_.rotation.conjugate() * rotation_log(since) / focal.value;
+  return square(focal.sigma) * (follows * follows.transpose());
 }
 
 template <class Config>

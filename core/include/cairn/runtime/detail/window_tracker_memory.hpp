@@ -58,6 +58,7 @@ template <class Config>
 void WindowTracker<Config>::return_to_map(FrameContext& frame) {
   T_camera_world_ = memory_.place().T_map_camera.inverse();
   window_.clear(parameters_.window.first_inverse_depth);
+  follow_focal();
   features_.clear();
   motion_.forget_velocity();
   window_.begin_keyframe(T_camera_world_);

@@ -9,6 +9,8 @@ Status KeyframeWindow<T, Bounds>::initialise(const Parameters& parameters) {
   const Status status = parameters.validate();
   if (!ok(status)) return status;
   parameters_ = parameters;
+  belief_.reset(parameters.focal_sigma);
+  focal_sigma_ = parameters.focal_sigma;
   clear();
   return Status::kOk;
 }
@@ -18,6 +20,10 @@ void KeyframeWindow<T, Bounds>::clear() {
   for (Landmark& landmark : landmarks_) landmark = Landmark();
   for (bool& used : pose_used_) used = false;
   order_.clear();
+  belief_.leave_all();
+  focal_excess_ = square(parameters_.focal_factor);
+  for (Solution& solution : solutions_) solution.focal = belief_.mean();
+  for (Vector<T, 6>& by_focal : by_focal_) by_focal.setZero();
   started_ = moved_ = mirrored_ = left_ = mirror_left_ = 0;
   present_ = 0;
   anchored_ = false;
@@ -60,6 +66,7 @@ int KeyframeWindow<T, Bounds>::free_pose() {
     if (landmark.used && landmark.host == best) landmark = Landmark();
   }
   pose_used_[best] = true;
+  by_focal_[best].setZero();
   return best;
 }
 
@@ -69,6 +76,7 @@ void KeyframeWindow<T, Bounds>::drop(int index) {
   for (Landmark& landmark : landmarks_) {
     landmark.seen = static_cast<std::uint8_t>(landmark.seen & ~flag);
   }
+  belief_.leave(order_[index]);
   for (int i = index; i + 1 < order_.size(); ++i) order_[i] = order_[i + 1];
   order_.pop_back();
 }
@@ -128,7 +136,7 @@ void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::observe(int slot, const Vector2<T>& seen) {
   const int place = order_.back();
-  observed_[place][slot] = seen;
+  observed_[place][slot] = as_told(seen);
   Landmark& landmark = landmarks_[slot];
   landmark.seen = static_cast<std::uint8_t>(landmark.seen | (1U << static_cast<unsigned>(place)));
 }
@@ -137,7 +145,7 @@ template <class T, class Bounds>
 bool KeyframeWindow<T, Bounds>::newest_sees(int slot, Vector2<T>& seen) const {
   const int place = order_.back();
   if (!landmarks_[slot].used || ((landmarks_[slot].seen >> place) & 1) == 0) return false;
-  seen = observed_[place][slot];
+  seen = as_estimated(observed_[place][slot]);
   return true;
 }
 
@@ -171,7 +179,7 @@ int KeyframeWindow<T, Bounds>::add_known_landmark(LandmarkId id, int host, const
   Landmark& landmark = landmarks_[slot];
   landmark = Landmark();
   landmark.id = id;
-  landmark.ray = ray;
+  landmark.ray = as_told(ray);
   landmark.host = static_cast<std::int8_t>(host);
   landmark.prior = inverse_depth;
   landmark.prior_sigma = sigma;
@@ -247,7 +255,7 @@ void KeyframeWindow<T, Bounds>::forget_outliers() {
       Vector2<T> expected;
       const T limit = parameters_.outlier_sigma * parameters_.sigma;
       if (project(slot, now().pose[pose], expected) &&
-          (observed_[place][slot] - expected).squaredNorm() <= limit * limit) {
+          (observed_[place][slot] - as_told(expected)).squaredNorm() <= limit * limit) {
         continue;
       }
       ++bad;
@@ -266,8 +274,8 @@ WindowSighting<T> KeyframeWindow<T, Bounds>::sighting(int slot) const {
   s.rho = now().rho[slot];
   s.sigma = landmark.sigma;
   s.host = T_world_host.translation;
-  s.direction =
-      T_world_host.rotation * Vector3<T>(landmark.ray.x(), landmark.ray.y(), T(1)) + s.rho * s.host;
+  const Vector2<T> ray = as_estimated(landmark.ray);
+  s.direction = T_world_host.rotation * Vector3<T>(ray.x(), ray.y(), T(1)) + s.rho * s.host;
   return s;
 }
 
@@ -276,7 +284,7 @@ bool KeyframeWindow<T, Bounds>::project(int slot, const Rigid<T>& T_camera_world
                                         Vector2<T>& seen) const {
   InverseDepthView<T> view;
   const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
-  if (!view.project(step, landmarks_[slot].ray, now().rho[slot])) return false;
+  if (!view.project(step, as_estimated(landmarks_[slot].ray), now().rho[slot])) return false;
   seen = view.seen;
   return true;
 }
@@ -297,7 +305,7 @@ T KeyframeWindow<T, Bounds>::typical_inverse_depth(const Rigid<T>& T_camera_worl
     if (!live(slot) || !(landmarks_[slot].sigma < kKnown * rho)) continue;
     InverseDepthView<T> view;
     const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
-    if (!view.project(step, landmarks_[slot].ray, rho)) continue;
+    if (!view.project(step, as_estimated(landmarks_[slot].ray), rho)) continue;
     values.push_back(rho / view.p.z());
     for (int i = values.size() - 1; i > 0 && values[i - 1] > values[i]; --i) {
       const T swapped = values[i];

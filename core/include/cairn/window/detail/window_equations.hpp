@@ -27,6 +27,45 @@ T window_cost(T distance, T huber) {
 template <class T>
 inline constexpr T kHiddenCost = T(50);
 
+/// The focal length's part of the normal equations, from what one keyframe saw of one host.
+template <class T>
+struct FocalColumn {
+  Vector<T, 6> by_pose = Vector<T, 6>::Zero();
+  T information = T(0);
+  T gradient = T(0);
+
+  /// `carried`: how the step between the two follows where their poses are fixed.
+  FocalColumn(const CameraStep<T>& step, T narrower, const Vector<T, 6>& carried)
+      : narrower_(narrower),
+        turn_(carried.template head<3>()),
+        axis_(narrower * step.rotation.col(2)),
+        shift_(narrower * step.translation + carried.template tail<3>()) {}
+
+  /// Adds an observation; returns the element that couples the focal length to the depth. A longer
+  /// focal length makes the host's ray narrower and the picture of a direction larger.
+  T add(const InverseDepthView<T>& view, const InverseDepthJacobian<T>& j, T rho, T weight,
+        const Vector2<T>& residual) {
+    const Vector3<T> moved = axis_ + turn_.cross(view.p) + rho * shift_;
+    const T inverse = T(1) / view.p.z();
+    T by_focal[2];
+    for (int i = 0; i < 2; ++i) {
+      by_focal[i] = narrower_ * view.seen(i) + inverse * (moved(i) - view.seen(i) * moved.z());
+    }
+    const T u = weight * by_focal[0];
+    const T v = weight * by_focal[1];
+    for (int r = 0; r < 6; ++r) by_pose(r) += u * j.by_pose[0][r] + v * j.by_pose[1][r];
+    information += u * by_focal[0] + v * by_focal[1];
+    gradient += u * residual.x() + v * residual.y();
+    return u * j.by_depth[0] + v * j.by_depth[1];
+  }
+
+ private:
+  T narrower_;
+  Vector3<T> turn_;
+  Vector3<T> axis_;
+  Vector3<T> shift_;
+};
+
 }  // namespace detail
 
 /// First state of each place's pose, -1 for those that are fixed.
@@ -54,19 +93,26 @@ void KeyframeWindow<T, Bounds>::add_pair(const Solution& solution, int host, int
   const int host_place = place_of(host);
   const int target_state = states[place];
   const int host_state = host_place >= 0 ? states[host_place] : -1;
-  const T per_sigma = T(1) / parameters_.sigma;
+  const T narrower = T(1) / solution.focal;
+  const T per_sigma = solution.focal / parameters_.sigma;
   Matrix<T, 6, 6> information = Matrix<T, 6, 6>::Zero();  // lower triangle
   Vector<T, 6> gradient = Vector<T, 6>::Zero();
+  const bool with_focal = estimates_focal();
+  const int focal_state = pose_states();
+  Vector<T, 6> carried = Vector<T, 6>::Zero();
+  if (with_focal && target_state < 0) carried = by_focal_[slot_of_[place]];
+  if (with_focal && host_state < 0) carried -= ad * by_focal_[host];
+  detail::FocalColumn<T> focal(step, narrower, carried);
   for (int slot = 0; slot < kLandmarks; ++slot) {
     const Landmark& landmark = landmarks_[slot];
     if (landmark.host != host || ((landmark.seen >> place) & 1) == 0) continue;
     InverseDepthView<T> view;
     const T rho = solution.rho[slot];
-    if (!view.project(step, landmark.ray, rho)) {
+    if (!view.project(step, narrower * landmark.ray, rho)) {
       cost += detail::kHiddenCost<T>;
       continue;
     }
-    const Vector2<T> residual = observed_[place][slot] - view.seen;
+    const Vector2<T> residual = narrower * observed_[place][slot] - view.seen;
     const T distance = sqrt(residual.squaredNorm()) * per_sigma;
     cost += detail::window_cost(distance, parameters_.huber_sigma);
     const T robust = distance < parameters_.huber_sigma ? T(1) : parameters_.huber_sigma / distance;
@@ -94,6 +140,7 @@ void KeyframeWindow<T, Bounds>::add_pair(const Solution& solution, int host, int
         reduced.by_pose[host_state + r] -= sum;
       }
     }
+    if (with_focal) reduced.by_pose[focal_state] += focal.add(view, j, rho, weight, residual);
   }
   for (int r = 0; r < 6; ++r) {
     for (int c = r + 1; c < 6; ++c) information(r, c) = information(c, r);
@@ -103,6 +150,14 @@ void KeyframeWindow<T, Bounds>::add_pair(const Solution& solution, int host, int
       for (int c = 0; c <= r; ++c) system_(target_state + r, target_state + c) += information(r, c);
       gradient_[target_state + r] += gradient(r);
     }
+  }
+  if (with_focal) {
+    T* const row = system_.row(focal_state);
+    row[focal_state] += focal.information;
+    gradient_[focal_state] += focal.gradient;
+    for (int r = 0; r < 6 && target_state >= 0; ++r) row[target_state + r] += focal.by_pose(r);
+    const Vector<T, 6> turned = ad.transpose() * focal.by_pose;
+    for (int r = 0; r < 6 && host_state >= 0; ++r) row[host_state + r] -= turned(r);
   }
   if (host_state < 0) return;
   // The host moves the landmark the other way, through the step between the two.
@@ -120,7 +175,8 @@ void KeyframeWindow<T, Bounds>::add_pair(const Solution& solution, int host, int
 /// Normal equations at a solution; returns its cost.
 template <class T, class Bounds>
 T KeyframeWindow<T, Bounds>::build(const Solution& solution, const int* states) {
-  const int count = order_.size() > fixed() ? 6 * (order_.size() - fixed()) : 0;
+  const bool with_focal = estimates_focal();
+  const int count = pose_states() + (with_focal ? 1 : 0);
   system_.resize(count);
   system_.set_zero();
   for (T& g : gradient_) g = T(0);
@@ -131,6 +187,11 @@ T KeyframeWindow<T, Bounds>::build(const Solution& solution, const int* states) 
     if (landmarks_[slot].used) hosts[landmarks_[slot].host] = true;
   }
   T cost = T(0);
+  if (with_focal) {
+    cost = focal_cost(solution);
+    system_(count - 1, count - 1) = focal_weight();
+    gradient_[count - 1] = focal_weight() * (belief_.mean() - solution.focal);
+  }
   for (int host = 0; host < kPoses; ++host) {
     if (!hosts[host]) continue;
     for (const std::int8_t place : order_) {
@@ -152,8 +213,9 @@ T KeyframeWindow<T, Bounds>::build(const Solution& solution, const int* states) 
 /// Cost over the landmarks that the last build() used.
 template <class T, class Bounds>
 T KeyframeWindow<T, Bounds>::cost_of(const Solution& solution) const {
-  const T per_sigma = T(1) / parameters_.sigma;
-  T cost = T(0);
+  const T narrower = T(1) / solution.focal;
+  const T per_sigma = solution.focal / parameters_.sigma;
+  T cost = estimates_focal() ? focal_cost(solution) : T(0);
   CameraStep<T> steps[kKeyframes];
   for (int host = 0; host < kPoses; ++host) {
     bool known = false;
@@ -170,144 +232,17 @@ T KeyframeWindow<T, Bounds>::cost_of(const Solution& solution) const {
       for (const std::int8_t place : order_) {
         if (slot_of_[place] == host || ((landmark.seen >> place) & 1) == 0) continue;
         InverseDepthView<T> view;
-        if (!view.project(steps[place], landmark.ray, solution.rho[slot])) {
+        if (!view.project(steps[place], narrower * landmark.ray, solution.rho[slot])) {
           cost += detail::kHiddenCost<T>;
           continue;
         }
-        const Vector2<T> residual = observed_[place][slot] - view.seen;
+        const Vector2<T> residual = narrower * observed_[place][slot] - view.seen;
         cost +=
             detail::window_cost(sqrt(residual.squaredNorm()) * per_sigma, parameters_.huber_sigma);
       }
     }
   }
   return cost;
-}
-
-/// One step of Levenberg and Marquardt. True where it lowered the cost.
-template <class T, class Bounds>
-bool KeyframeWindow<T, Bounds>::iterate(Solution& solution, T& damping, T& before, T& cost) {
-  constexpr T kLeastDamping = T(1e-6);
-  constexpr T kLeastRho = T(1e-3);
-  int states[kKeyframes] = {};
-  number_states(states);
-  before = cost = build(solution, states);
-  T step[kMaxStates] = {};
-  solved_ = solve_with_landmarks(system_, gradient_, reduced_, kLandmarks, damping, reduced_system_,
-                                 step);
-  if (!solved_) {
-    damping *= T(10);
-    return false;
-  }
-  Solution& trial = trial_;
-  trial = solution;
-  for (const std::int8_t place : order_) {
-    if (states[place] < 0) continue;
-    const int pose = slot_of_[place];
-    trial.pose[pose] = perturbed(solution.pose[pose], step + states[place]);
-  }
-  const int count = system_.size();
-  for (int slot = 0; slot < kLandmarks; ++slot) {
-    const Reduced& reduced = reduced_[slot];
-    if (!reduced.used) continue;
-    const T rho = solution.rho[slot] + reduced.step(step, count, damping);
-    trial.rho[slot] = rho > kLeastRho ? rho : kLeastRho;
-  }
-  const T lowered = cost_of(trial);
-  if (!(lowered <= cost)) {
-    damping *= T(10);
-    return false;
-  }
-  solution = trial;
-  cost = lowered;
-  damping = damping > T(10) * kLeastDamping ? T(0.1) * damping : kLeastDamping;
-  return true;
-}
-
-template <class T, class Bounds>
-int KeyframeWindow<T, Bounds>::step_work() const {
-  int landmarks = 0;
-  int observations = 0;
-  for (const Landmark& landmark : landmarks_) {
-    if (!landmark.used) continue;
-    ++landmarks;
-    observations += observers(landmark);
-  }
-  return kStepBase + kStepLandmark * landmarks + kStepObservation * observations;
-}
-
-template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::step() {
-  if (left_ > 0) {
-    improve();
-  } else if (mirror_left_ > 0) {
-    improve_mirrored();
-  }
-}
-
-template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::improve() {
-  constexpr T kSmall = T(1e-4);  // of the cost
-  const bool first = left_ == parameters_.iterations;
-  if (first) damping_ = kFirstDamping;
-  T cost = T(0);
-  T before = T(0);
-  const bool lowered = iterate(now(), damping_, before, cost);
-  --left_;
-  if (lowered && before - cost < kSmall * before) left_ = 0;
-  if (left_ > 0) return;
-  assess();
-  if (mirror_left_ > 0) return;  // its turn comes
-  if (!anchored_ && moved_ <= parameters_.mirrored_keyframes) {
-    begin_mirror();
-  } else {
-    forget_outliers();
-  }
-}
-
-/// Observations that only the present solution does not explain are kept until the mirrored one had
-/// its chance.
-template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::improve_mirrored() {
-  T cost = T(0);
-  T before = T(0);
-  iterate(solutions_[1 - present_], mirror_damping_, before, cost);
-  if (--mirror_left_ > 0) return;
-  if (cost < parameters_.mirrored_gain * cost_of(now())) {
-    present_ = 1 - present_;
-    ++mirrored_;
-    assess();
-  }
-  forget_outliers();
-}
-
-/// What the observations say of each depth, the poses known, and of the newest keyframe's pose.
-template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::assess() {
-  for (int slot = 0; slot < kLandmarks; ++slot) {
-    if (!reduced_[slot].used || !landmarks_[slot].used) continue;
-    Landmark& landmark = landmarks_[slot];
-    const T own = parameters_.sigma_factor / sqrt(reduced_[slot].information);
-    landmark.sigma = own < landmark.prior_sigma ? own : landmark.prior_sigma;
-  }
-  // The last block of L D L^T is that of the newest pose, all others eliminated.
-  const int count = system_.size();
-  if (count < 6 || !solved_) return;
-  Matrix<T, 6, 6> information;
-  for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c <= r; ++c) {
-      T sum = T(0);
-      for (int k = 0; k <= c; ++k) {
-        const T* const d = reduced_system_.row(count - 6 + k) + count - 6;
-        const T left = k == r ? T(1) : reduced_system_.row(count - 6 + r)[count - 6 + k];
-        const T right = k == c ? T(1) : reduced_system_.row(count - 6 + c)[count - 6 + k];
-        sum += left * right * d[k];
-      }
-      information(r, c) = sum;
-    }
-  }
-  Matrix<T, 6, 6> covariance;
-  if (!detail::invert_spd(information, T(1e-7), covariance)) return;
-  newest_covariance_ = covariance;
 }
 
 }  // namespace cairn
