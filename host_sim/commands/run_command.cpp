@@ -33,6 +33,10 @@ void add_handheld_options(CLI::App& command, HandheldOptions& options) {
       ->check(CLI::Range(-0.3, 0.3));
   command.add_flag("--estimate-focal-length", options.estimate_focal_length,
                    "Handheld: the focal length is a state of the filter");
+  command
+      .add_option("--focal-sigma", options.focal_sigma,
+                  "Handheld: how well the focal length is known, as a share; 0: exactly")
+      ->check(CLI::Range(0.0, 0.5));
 }
 
 void add_options(CLI::App& command, RunOptions& options) {
@@ -131,7 +135,7 @@ void register_run_command(CommandContext& context) {
   add_options(*command, *options);
   command->callback([&context, command, options] {
     check_fading(options->fading);
-    if (!options->record.empty() && !options->handheld.is_default()) {
+    if (!options->record.empty() && !options->handheld.is_in_log()) {
       throw UsageError("--record: an input log replays the tracker's own settings");
     }
     if (options->view) require_viewer();

@@ -51,7 +51,8 @@ const Names& picture_options() {
                               "--corner-score",
                               "--sigma-px",
                               "--focal-error",
-                              "--estimate-focal-length"};
+                              "--estimate-focal-length",
+                              "--focal-sigma"};
   return names;
 }
 

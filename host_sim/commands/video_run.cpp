@@ -142,6 +142,9 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
   tracker.handheld = options.handheld;
   tracker.work_limit = options.work_limit;
   if (tracker.filter == kWindowFilter) check_window_options(options);
+  if (tracker.filter == kMonoFilter && options.handheld.focal_sigma) {
+    throw UsageError("--focal-sigma: only for --filter window");
+  }
   if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
     throw UsageError("--measurement and the options beside it: only for --mode handheld");
   }

@@ -5,15 +5,23 @@
 
 namespace cairn::host {
 
-/// What a handheld run changes about the tracker to compare it with itself. Not in the input log.
-struct HandheldOptions {
-  std::string measurement;          ///< patch or freak; empty: the tracker's own
-  std::optional<int> corner_score;  ///< least FAST score of a new landmark
-  std::optional<double> sigma_px;   ///< of a measured pixel
-  double focal_error = 0.0;         ///< share by which the tracker's focal length is made wrong
-  bool estimate_focal_length = false;
+/// Of the focal length by --hfov: phones' main cameras have 62 to 73 degrees.
+inline constexpr double kGuessedFocalSigma = 0.15;
 
-  bool is_default() const {
+/// What a handheld run changes about the tracker.
+struct HandheldOptions {
+  std::string measurement;             ///< patch or freak; empty: the tracker's own
+  std::optional<int> corner_score;     ///< least FAST score of a new landmark
+  std::optional<double> sigma_px;      ///< of a measured pixel
+  double focal_error = 0.0;            ///< share by which the tracker's focal length is made wrong
+  bool estimate_focal_length = false;  ///< mono alone
+  /// Window alone: how well the focal length is known, relative. Empty: kGuessedFocalSigma of a
+  /// camera that is a guess, else the tracker's own.
+  std::optional<double> focal_sigma;
+
+  bool is_default() const { return is_in_log() && !focal_sigma; }
+  /// Whether an input log says all of it.
+  bool is_in_log() const {
     return measurement.empty() && !corner_score && !sigma_px && focal_error == 0.0 &&
            !estimate_focal_length;
   }

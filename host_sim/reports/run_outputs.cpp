@@ -306,6 +306,14 @@ json ground_json(const RunRecord& record) {
           {"suspect_frames", record.health.ground_suspicions}};
 }
 
+/// The focal length as a factor on what was told; null where it is not estimated.
+json focal_json(const RunRecord& record) {
+  if (!record.focal.has_value()) return nullptr;
+  return {{"value", record.focal->value},
+          {"sigma", record.focal->sigma},
+          {"told_sigma", record.focal->told_sigma}};
+}
+
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                const RegistrationResult& registration, double budget_ms, const SourceInfo& source) {
   int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
@@ -352,6 +360,7 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
       {"health", to_json(record.health)},
       {"mount", mount_json(record)},
       {"ground", ground_json(record)},
+      {"focal_scale", focal_json(record)},
       {"monitor", monitor_json(record)},
       {"pictures", pictures},
       {"video", record.overlay.empty() ? json(nullptr)

@@ -1,6 +1,7 @@
 #include "host_sim/reports/verdict.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,6 +18,9 @@ constexpr double kNeesTooLarge = 2.0;  // over its degrees of freedom
 constexpr double kNeesSmall = 0.3;
 constexpr double kNisTooLarge = 1.5;
 constexpr double kNisSmall = 0.3;
+constexpr double kFocalSigmas = 3.0;
+constexpr double kLeastFocalPercent = 1.0;
+constexpr double kGuessPercent = 10.0;      // sigma of what is no calibration
 constexpr double kMostRegistration = 0.01;  // of the picture's width
 
 class Judge {
@@ -28,6 +32,7 @@ class Judge {
     judge_tracking();
     judge_mount();
     judge_ground();
+    judge_focal();
     judge_consistency();
     judge_errors();
     judge_budget();
@@ -118,6 +123,28 @@ class Judge {
     } else if (const int frames = ground["suspect_frames"].get<int>(); frames > 0) {
       say(Grade::kNote,
           "Speed or camera height did not fit the ground in {} frames, and do at the end", frames);
+    }
+  }
+
+  /// Said where it is not as told, or where what was told was a guess that the motion confirmed.
+  void judge_focal() {
+    if (!summary_.contains("focal_scale") || summary_["focal_scale"].is_null()) return;
+    const json& focal = summary_["focal_scale"];
+    const double off = 100.0 * (focal["value"].get<double>() - 1.0);
+    const double sigma = 100.0 * focal["sigma"].get<double>();
+    const double told = 100.0 * focal["told_sigma"].get<double>();
+    const char* const which = off < 0.0 ? "shorter" : "longer";
+    if (std::abs(off) > kFocalSigmas * sigma && std::abs(off) > kLeastFocalPercent) {
+      say(Grade::kNote,
+          "The focal length seems to be {:.1f} % {} than told, +- {:.1f} %; it was tracked with "
+          "that",
+          std::abs(off), which, sigma);
+    } else if (told > kGuessPercent && sigma < 0.5 * told) {
+      say(Grade::kGood, "The focal length is as told: {:.1f} % {}, +- {:.1f} %", std::abs(off),
+          which, sigma);
+    } else if (told > kGuessPercent) {
+      say(Grade::kNote,
+          "The motion does not show the focal length: it stays as guessed, +- {:.0f} %", sigma);
     }
   }
 

@@ -108,6 +108,7 @@ class FrameLoop {
     record_.health = tracker_.health();
     record_.mount = tracker_.mount_offset();
     record_.ground = tracker_.ground();
+    record_.focal = tracker_.focal_scale();
     for (int i = 0; i < monitor_.record_count(); ++i) record_.events.push_back(monitor_.record(i));
     record_.tracker = tracker_.description();
     record_.log_hash = hash_.value();

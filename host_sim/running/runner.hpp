@@ -52,6 +52,7 @@ struct RunRecord {
   Health health;
   std::optional<MountOffset> mount;
   std::optional<GroundCheck> ground;
+  std::optional<FocalScale> focal;
   std::optional<int> mount_suspect_frame;  ///< index in `frames` of the first with a suspicion
   std::vector<HealthRecord> events;        ///< the last ones, the newest first
   nlohmann::json tracker;

@@ -88,6 +88,7 @@ class VideoSource final : public FrameSource {
  private:
   void guess_camera(double hfov_deg) {
     camera_.camera = guessed_camera(media_->info().size, hfov_deg);
+    info_.guessed_camera = true;
     info_.warnings.push_back(fmt::format(
         "no calibration: a focal length of {:.0f} px is a guess by --hfov {}, and a lens "
         "without distortion another; angles and distances are wrong by what the guess "

@@ -6,6 +6,7 @@
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/replay/log_replay.hpp"
 #include "host_sim/trackers/fading.hpp"
+#include "host_sim/trackers/window_adapter.hpp"
 
 namespace cairn::host {
 namespace {
@@ -52,6 +53,9 @@ InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& so
   set_fading(options.fading, mono);
   header.fading = mono.fading_factor;
   header.adaptive_fading = mono.fading == FadingMode::kAdaptive;
+  if (header.filter == LogFilter::kWindow) {
+    header.focal_sigma_e4 = window_focal_sigma_e4(options.handheld, source);
+  }
   header.seed = options.seed;
   header.start_t_us = start_us;
   header.camera = to_float(source.camera);

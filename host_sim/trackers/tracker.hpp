@@ -12,6 +12,7 @@
 #include "cairn/ar/augmenter.hpp"
 #include "cairn/base/health.hpp"
 #include "cairn/estimation/observation.hpp"
+#include "cairn/geometry/focal_scale.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/frame_report.hpp"
@@ -69,6 +70,8 @@ class Tracker {
   virtual const Augmenter* objects() const { return nullptr; }
   /// How far mount and focal length seem to be off. Vehicle mode alone.
   virtual std::optional<MountOffset> mount_offset() const { return std::nullopt; }
+  /// The focal length as a factor on what the tracker was told, where it is estimated.
+  virtual std::optional<FocalScale> focal_scale() const { return std::nullopt; }
   /// Whether speed and camera height fit the height of the ground. Vehicle mode alone.
   virtual std::optional<GroundCheck> ground() const { return std::nullopt; }
   /// Vehicle mode alone.

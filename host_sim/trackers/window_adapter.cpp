@@ -1,5 +1,7 @@
 #include "host_sim/trackers/window_adapter.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "cairn/runtime/window_augmentation.hpp"
@@ -27,6 +29,8 @@ class WindowAdapter : public Tracker {
     if (options.handheld.sigma_px) {
       parameters.sigma_px = static_cast<float>(*options.handheld.sigma_px);
     }
+    parameters.window.focal_sigma =
+        1e-4F * static_cast<float>(window_focal_sigma_e4(options.handheld, source));
     PinholeCamera<double> camera = source.camera;
     camera.fx *= 1.0 + options.handheld.focal_error;
     camera.fy *= 1.0 + options.handheld.focal_error;
@@ -84,6 +88,7 @@ class WindowAdapter : public Tracker {
            R_world_camera.transpose();
   }
 
+  std::optional<FocalScale> focal_scale() const override { return core_->focal_scale(); }
   int library_size() const override { return core_->library().size(); }
   int landmark_capacity() const override { return Core::kMaxFeatures; }
   Health health() const override { return core_->health(); }
@@ -104,6 +109,14 @@ class WindowAdapter : public Tracker {
 };
 
 }  // namespace
+
+std::uint16_t window_focal_sigma_e4(const HandheldOptions& options, const SourceInfo& source) {
+  const auto own =
+      static_cast<double>(WindowTracker<DefaultConfig>::Parameters().window.focal_sigma);
+  const double sigma =
+      options.focal_sigma.value_or(source.guessed_camera ? kGuessedFocalSigma : own);
+  return static_cast<std::uint16_t>(std::lround(1e4 * sigma));
+}
 
 std::unique_ptr<Tracker> make_window_tracker(const TrackerOptions& options,
                                              const SourceInfo& source) {

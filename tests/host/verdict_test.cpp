@@ -55,6 +55,21 @@ TEST(Verdict, NamesTheSuspectPartOfTheMount) {
                    {"Tracked, with reservations\nbad The camera's yaw", "off by -4.8 +- 0.3 deg"}));
 }
 
+TEST(Verdict, SaysWhenTheFocalLengthIsNotAsTold) {
+  json summary = good_summary();
+  const auto text_with = [&](double value, double sigma, double told) {
+    summary["focal_scale"] = {{"value", value}, {"sigma", sigma}, {"told_sigma", told}};
+    return text_of(judge(summary, 640));
+  };
+  EXPECT_TRUE(says(text_with(1.084, 0.012, 0.03),
+                   {"note The focal length seems to be 8.4 % longer than told, +- 1.2 %"}));
+  EXPECT_TRUE(says(text_with(0.9, 0.02, 0.15), {"seems to be 10.0 % shorter than told, +- 2.0 %"}));
+  EXPECT_TRUE(
+      says(text_with(1.02, 0.02, 0.15), {"good The focal length is as told: 2.0 % longer"}));
+  EXPECT_TRUE(says(text_with(1.02, 0.12, 0.15), {"stays as guessed, +- 12 %"}));
+  EXPECT_EQ(text_with(1.01, 0.01, 0.03).find("focal"), std::string::npos);
+}
+
 TEST(Verdict, NamesWhatIsBadFirst) {
   json summary = good_summary();
   summary["nees"]["mean"] = 9.4;
