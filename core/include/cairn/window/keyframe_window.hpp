@@ -28,8 +28,8 @@ struct WindowParameters {
   int mirrored_keyframes = 6;      ///< with parallax, until which the mirrored relief is tried,
   int mirrored_iterations = 10;    ///< by so many iterations,
   T mirrored_gain = T(0.9);        ///< and taken where its cost is below this share of the other's
-  T focal_sigma = T(0.05);         ///< of the focal length, relative; 0: it is not estimated
-  T focal_factor = T(4);           ///< of its sigma, over what a window's pixels alone give
+  T focal_sigma = T(0.1);          ///< of the focal length, relative; 0: it is not estimated
+  T focal_factor = T(8);           ///< of its sigma, over what a window's pixels alone give
   T focal_window_sigma = T(0.03);  ///< relative, of what one window says of it, at least
 
   /// kBadConfig unless every value is finite and in its domain.
