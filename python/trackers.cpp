@@ -218,6 +218,12 @@ class Handheld : public MappingTracker<HandheldCalls> {
 
 class Window : public Tracker<WindowCalls> {
  public:
+  py::tuple focal_scale() const {
+    float scale = 1.0F;
+    float sigma = 0.0F;
+    need(cairn_window_get_focal_scale(tracker_, &scale, &sigma), "focal_scale");
+    return py::make_tuple(scale, sigma);
+  }
   Window(const cairn_camera& camera, const cairn_window_parameters& parameters) {
     need(cairn_window_initialise(memory_.get(), sizeof *memory_, &camera, &parameters, &tracker_),
          "WindowTracker");
@@ -358,7 +364,9 @@ void add_trackers(py::module_& module) {
       .def(py::init<const cairn_camera&, const cairn_window_parameters&>(), py::arg("camera"),
            py::arg("parameters") = cairn_window_default_parameters())
       .def("covariance", &Window::covariance,
-           "Of position (map axes) and rotation vector (camera axes), (6, 6).");
+           "Of position (map axes) and rotation vector (camera axes), (6, 6).")
+      .def("focal_scale", &Window::focal_scale,
+           "The focal length as a factor on the one that was told, and its standard deviation.");
   add_common<Window>(window);
 }
 

@@ -124,6 +124,7 @@ static void null_is_refused(void) {
   CHECK(cairn_window_set_ticks(NULL, NULL, NULL) == refused);
   CHECK(cairn_window_get_covariance(NULL, NULL) == refused);
   CHECK(cairn_window_get_landmarks(NULL, NULL, 0, &count) == refused);
+  CHECK(cairn_window_get_focal_scale(NULL, NULL, NULL) == refused);
   CHECK(cairn_window_get_health(NULL, &health) == refused);
   CHECK(cairn_window_place_object(NULL, NULL) == refused);
   CHECK(cairn_window_place_object_at(NULL, NULL, 0.0F, 0.0F) == refused);
@@ -283,6 +284,10 @@ static void a_window_starts_and_resets(void) {
   CHECK(cairn_window_get_health(w, &health) == CAIRN_OK);
   CHECK(health.time_errors == 1);
   CHECK(cairn_window_set_work_limit(w, -1) == CAIRN_INVALID_ARGUMENT);
+  float scale = 0.0F;
+  float sigma = 0.0F;
+  CHECK(cairn_window_get_focal_scale(w, &scale, &sigma) == CAIRN_OK);
+  CHECK(scale == 1.0F && sigma == cairn_window_default_parameters().focal_sigma);
   size_t count = 1;
   CHECK(cairn_window_get_landmarks(w, NULL, 0, &count) == CAIRN_OK);
   CHECK(count == 0);

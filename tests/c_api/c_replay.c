@@ -59,6 +59,7 @@ static cairn_status start_handheld(const struct log_header* header) {
 static cairn_status start_window(const struct log_header* header) {
   cairn_window_parameters parameters = cairn_window_default_parameters();
   parameters.seed = header->seed;
+  parameters.focal_sigma = header->focal_sigma;
   return cairn_window_initialise(window_memory.bytes, sizeof window_memory, &header->camera,
                                  &parameters, &window);
 }

@@ -26,12 +26,14 @@ static float f32(const uint8_t* b) {
 }
 
 static void decode_header(const uint8_t* b, struct log_header* header) {
+  const bool with_focal = b[0] == 5;
   header->handheld = b[2] == 1;
   header->window = b[3] == 4;
   header->ackermann = b[4] == 1;
   header->adaptive_fading = b[5] == 1;
   header->camera.width = b[6] | b[7] << 8;
   header->camera.height = b[8] | b[9] << 8;
+  header->focal_sigma = with_focal ? 1e-4F * (float)(b[10] | b[11] << 8) : 0.0F;
   header->fading = f32(b + 12);
   header->seed = u64(b + 16);
   header->start.t_us = (int64_t)u64(b + 24);

@@ -14,6 +14,7 @@ struct log_header {
   bool ackermann;
   bool adaptive_fading;
   float fading;
+  float focal_sigma;
   uint64_t seed;
   cairn_camera camera;
   cairn_transform T_vehicle_camera;

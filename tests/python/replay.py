@@ -14,6 +14,7 @@ import cairn  # noqa: E402
 
 HEADER, ODOMETRY, FRAME, END = 1, 2, 3, 4
 HANDHELD, ACKERMANN, WINDOW = 1, 1, 4
+FOCAL_VERSION = 5
 
 
 def records_of(log):
@@ -33,6 +34,9 @@ def tracker_of(header):
     if header[3] == WINDOW:
         parameters = cairn.WindowParameters()
         parameters.seed = seed
+        version, focal_sigma_e4 = struct.unpack_from("<H8xH", header)
+        with_focal = version == FOCAL_VERSION
+        parameters.focal_sigma = numpy.float32(1e-4) * numpy.float32(focal_sigma_e4 if with_focal else 0)
         return cairn.WindowTracker(camera, parameters)
     if header[2] == HANDHELD:
         parameters = cairn.HandheldParameters()

@@ -21,8 +21,9 @@ constexpr int kMaxPixels = CAIRN_MAX_IMAGE_WIDTH * CAIRN_MAX_IMAGE_HEIGHT;
 constexpr float kDriveForward_m = 3.5F;
 constexpr float kDriveLeft_m = 0.7F;
 constexpr float kDriveHeight_m = 1.0F;
-constexpr float kHeightPerDepth = 0.2F;  // of an object in front of a hand-held camera
-constexpr std::uint8_t kNoLine = 128;    // grey of an empty mask; lines are 255, halos 0
+constexpr float kGuessedFocalSigma = 0.2F;  // of a webcam
+constexpr float kHeightPerDepth = 0.2F;     // of an object in front of a hand-held camera
+constexpr std::uint8_t kNoLine = 128;       // grey of an empty mask; lines are 255, halos 0
 constexpr std::uint8_t kOutline[3] = {60, 38, 20};
 
 struct Engine {
@@ -154,7 +155,10 @@ void split(std::uint64_t hash, std::uint32_t (&words)[2]) {
 
 /// Landmarks of the map, as pixels of the last frame.
 void project_landmarks(std::size_t count) {
-  const cairn::PinholeCamera<float> camera = pinhole();
+  float scale = 1.0F;
+  float sigma = 0.0F;
+  static_cast<void>(cairn_window_get_focal_scale(engine.window, &scale, &sigma));
+  const cairn::PinholeCamera<float> camera = pinhole().with_focal_scale(scale);
   const cairn::Rigid<float> T_camera_map = rigid_of(engine.T_map_camera).inverse();
   web_result& result = engine.result;
   result.points = 0;
@@ -355,9 +359,11 @@ std::int32_t web_start_camera(std::int32_t width, std::int32_t height, float fov
   engine.camera.cy = 0.5F * static_cast<float>(height - 1);
   engine.camera.width = width;
   engine.camera.height = height;
+  cairn_window_parameters parameters = cairn_window_default_parameters();
+  parameters.focal_sigma = kGuessedFocalSigma;
   cairn_status status =
       cairn_window_initialise(engine.window_memory.bytes, sizeof engine.window_memory,
-                              &engine.camera, nullptr, &engine.window);
+                              &engine.camera, &parameters, &engine.window);
   if (status == CAIRN_OK) status = cairn_window_set_ticks(engine.window, &read_ticks, nullptr);
   if (status == CAIRN_OK) status = make_objects(1.0F);
   return status;

@@ -18,7 +18,7 @@ using Tracker = cairn::c_api::Window;
 Tracker::Parameters parameters_from(const cairn_window_parameters& from) {
   Tracker::Parameters to;
   to.sigma_px = from.sigma_px;
-  to.focal_sigma = from.focal_sigma;
+  to.window.focal_sigma = from.focal_sigma;
   to.work_limit = from.work_limit;
   to.max_step_us = from.max_step_us;
   to.seed = from.seed;
@@ -29,7 +29,7 @@ Tracker::Parameters parameters_from(const cairn_window_parameters& from) {
 
 cairn_window_parameters cairn_window_default_parameters(void) {
   const Tracker::Parameters from;
-  return {from.sigma_px, from.focal_sigma, from.work_limit, from.max_step_us, from.seed};
+  return {from.sigma_px, from.window.focal_sigma, from.work_limit, from.max_step_us, from.seed};
 }
 
 cairn_status cairn_window_initialise(void* memory, size_t bytes, const cairn_camera* camera,
@@ -50,7 +50,7 @@ cairn_status cairn_window_initialise(void* memory, size_t bytes, const cairn_cam
 
 cairn_status cairn_window_reset(cairn_window* window) {
   if (window == nullptr) return CAIRN_INVALID_ARGUMENT;
-  const cairn::PinholeCamera<float> camera = window->tracker.camera();
+  const cairn::PinholeCamera<float> camera = window->tracker.told_camera();
   const Status status = window->tracker.initialise(camera, parameters_from(window->parameters));
   if (!ok(status)) return to_c(status);
   window->report = cairn::FrameReport();
@@ -83,6 +83,14 @@ cairn_status cairn_window_get_covariance(const cairn_window* window, float covar
   const cairn::Matrix<float, 6, 6> own =
       to_interface * window->tracker.pose_covariance() * to_interface.transpose();
   for (int i = 0; i < 36; ++i) covariance[i] = own(i / 6, i % 6);
+  return CAIRN_OK;
+}
+
+cairn_status cairn_window_get_focal_scale(const cairn_window* window, float* scale, float* sigma) {
+  if (window == nullptr || scale == nullptr || sigma == nullptr) return CAIRN_INVALID_ARGUMENT;
+  const cairn::FocalScale focal = window->tracker.focal_scale();
+  *scale = focal.value;
+  *sigma = focal.sigma;
   return CAIRN_OK;
 }
 

@@ -25,7 +25,7 @@ typedef union cairn_window_memory {
 /** The settings that programs change; all others are those of docs/reference/parameters.md. */
 typedef struct cairn_window_parameters {
   float sigma_px;      /**< standard deviation of a measured pixel, of a picture 640 wide */
-  float focal_sigma;   /**< relative, of the camera's focal length */
+  float focal_sigma;   /**< how well the focal length is known, relative: a guess 0.2, exactly 0 */
   int32_t work_limit;  /**< units of work a frame */
   int64_t max_step_us; /**< a longer gap between frames is not integrated */
   uint64_t seed;       /**< of RANSAC */
@@ -57,6 +57,10 @@ cairn_status cairn_window_set_ticks(cairn_window* window, cairn_read_ticks read,
 
 /** As cairn_handheld_get_covariance(). */
 cairn_status cairn_window_get_covariance(const cairn_window* window, float covariance[36]);
+
+/** The focal length as it is estimated, a factor on the one that was told, and its standard
+ * deviation; cairn_window_draw() and the landmarks go by it. */
+cairn_status cairn_window_get_focal_scale(const cairn_window* window, float* scale, float* sigma);
 
 /** The landmarks that are followed, as cairn_vehicle_get_landmarks(); at most
  * CAIRN_WINDOW_MAX_LANDMARKS. */

@@ -127,6 +127,8 @@ class WindowTracker {
 
   /// With the focal length as it is estimated.
   const PinholeCamera<float>& camera() const { return camera_; }
+  /// As initialise() was told.
+  const PinholeCamera<float>& told_camera() const { return told_; }
   /// What the motion shows of the focal length. Where it does not, it stays as told.
   FocalScale focal_scale() const {
     return {window_.focal_scale(), window_.focal_sigma(), parameters_.window.focal_sigma};
