@@ -20,7 +20,7 @@ constexpr double kNisTooLarge = 1.5;
 constexpr double kNisSmall = 0.3;
 constexpr double kFocalSigmas = 3.0;
 constexpr double kLeastFocalPercent = 1.0;
-constexpr double kGuessPercent = 10.0;      // sigma of what is no calibration
+constexpr double kGuessPercent = 15.0;      // sigma of what is no calibration
 constexpr double kMostRegistration = 0.01;  // of the picture's width
 
 class Judge {

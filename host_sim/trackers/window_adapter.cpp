@@ -30,7 +30,7 @@ class WindowAdapter : public Tracker {
       parameters.sigma_px = static_cast<float>(*options.handheld.sigma_px);
     }
     parameters.window.focal_sigma =
-        1e-4F * static_cast<float>(window_focal_sigma_e4(options.handheld, source));
+        static_cast<float>(window_focal_sigma_e4(options.handheld, source)) / 10000.0F;
     PinholeCamera<double> camera = source.camera;
     camera.fx *= 1.0 + options.handheld.focal_error;
     camera.fy *= 1.0 + options.handheld.focal_error;

@@ -33,7 +33,7 @@ static void decode_header(const uint8_t* b, struct log_header* header) {
   header->adaptive_fading = b[5] == 1;
   header->camera.width = b[6] | b[7] << 8;
   header->camera.height = b[8] | b[9] << 8;
-  header->focal_sigma = with_focal ? 1e-4F * (float)(b[10] | b[11] << 8) : 0.0F;
+  header->focal_sigma = with_focal ? (float)(b[10] | b[11] << 8) / 10000.0F : 0.0F;
   header->fading = f32(b + 12);
   header->seed = u64(b + 16);
   header->start.t_us = (int64_t)u64(b + 24);

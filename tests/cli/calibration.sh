@@ -30,6 +30,7 @@ done
 expect 0 "warning: no calibration|277 px|guess|--hfov 60" run video:frames --hfov 60 --no-video --out guessed
 grep -q "guess by --hfov 60" "$work/guessed/summary.json" || fail "the summary does not say that the camera is guessed"
 grep -q "guess by --hfov 60" "$work/guessed/manifest.json" || fail "the manifest does not say it"
+grep -q '"told_sigma": 0.2' "$work/guessed/summary.json" || fail "the tracker does not know that the camera is guessed"
 expect 2 "--camera|--hfov" run video:frames --out none
 expect 2 "--hfov" run video:frames --hfov 170 --out none
 expect 2 "--hfov: source 'hall'" run hall --hfov 60 --out none

@@ -38,6 +38,9 @@ for option in "--fading 1.01" "--measurement freak" "--estimate-focal-length"; d
   expect 2 "${option%% *}|--filter" \
     run hall-small --mode handheld --max-frames 2 $option --out out
 done
+expect 2 "--focal-sigma: only for --filter window" \
+  run hall-small --mode handheld --filter mono --focal-sigma 0.1 --max-frames 2 --out out
+expect 2 "--focal-sigma" run hall-small --mode handheld --focal-sigma 0.7 --max-frames 2 --out out
 expect 2 "--start-position-variance|--mode vehicle" \
   run hall-small --mode handheld --start-position-variance 1 --max-frames 2 --out out
 for command in "run hall-small" "timing" "turntable --experiment yaw10" "faults" "consistency"; do

@@ -36,7 +36,7 @@ def tracker_of(header):
         parameters.seed = seed
         version, focal_sigma_e4 = struct.unpack_from("<H8xH", header)
         with_focal = version == FOCAL_VERSION
-        parameters.focal_sigma = numpy.float32(1e-4) * numpy.float32(focal_sigma_e4 if with_focal else 0)
+        parameters.focal_sigma = numpy.float32(focal_sigma_e4 if with_focal else 0) / numpy.float32(10000)
         return cairn.WindowTracker(camera, parameters)
     if header[2] == HANDHELD:
         parameters = cairn.HandheldParameters()

@@ -100,7 +100,7 @@ Status start_replay(const InputLogHeader& header, WindowTracker<Config>& tracker
   if (header.mode != LogMode::kHandheld) return Status::kBadConfig;
   typename WindowTracker<Config>::Parameters parameters;
   parameters.seed = header.seed;
-  parameters.window.focal_sigma = 1e-4F * static_cast<float>(header.focal_sigma_e4);
+  parameters.window.focal_sigma = static_cast<float>(header.focal_sigma_e4) / 10000.0F;
   return tracker.initialise(header.camera, parameters);
 }
 
