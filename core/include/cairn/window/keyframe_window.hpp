@@ -168,7 +168,7 @@ class KeyframeWindow {
   static constexpr int kStepBase = 140;
   static constexpr int kStepLandmark = 4;
   static constexpr int kStepObservation = 1;
-  static constexpr int kStepFocal = 10;  ///< part that the focal length adds
+  static constexpr int kStepFocal = 8;  ///< part that the focal length adds
 
   struct Landmark {
     LandmarkId id = kNoLandmark;
