@@ -1,4 +1,5 @@
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -80,6 +81,47 @@ TEST_F(WindowWithoutSight, ReturnsToTheMapsFrameAndScale) {
   EXPECT_LT(off.translation.norm(), 0.1F * then.translation.norm());
   EXPECT_LT(rotation_log(off.rotation).norm(), 0.03F);
   EXPECT_GE(tracker_->health().landmarks_reactivated, 12U);
+}
+
+TEST_F(WindowWithoutSight, KnowsThePlaceByItsViewsWhereNoDescriptorMatches) {
+  Tracker::Parameters parameters;
+  parameters.memory.recogniser.matcher.max_distance = 0;
+  start(parameters);
+  show_dark(15);
+  int k = kFrames - 5;
+  for (; k > 40; --k) step(test::two_walls(k));
+  EXPECT_TRUE(relocalised_);
+  const Rigid<float>& then = before_[static_cast<std::size_t>(k + 1)];
+  const Rigid<float> off = then.inverse() * report_.T_map_camera;
+  EXPECT_LT(off.translation.norm(), 0.15F * then.translation.norm());
+  EXPECT_LT(rotation_log(off.rotation).norm(), 0.03F);
+}
+
+TEST_F(WindowWithoutSight, RemembersTheDepthsThatWereKnownLast) {
+  const Tracker::Window& window = tracker_->window();
+  const auto newest_depths = [&] {
+    std::vector<std::pair<LandmarkId, Vector3<float>>> known;
+    for (int i = 0; i < tracker_->feature_count(); ++i) {
+      const LandmarkId id = tracker_->feature_id(i);
+      if (tracker_->library().find(id) < 0) continue;
+      for (int slot = 0; slot < Tracker::Window::kLandmarks; ++slot) {
+        if (window.live(slot) && window.id(slot) == id) {
+          known.emplace_back(id, window.position(slot));
+        }
+      }
+    }
+    return known;
+  };
+  const auto known = newest_depths();
+  ASSERT_GE(known.size(), 8U);
+  show_dark(15);
+  std::size_t renewed = 0;
+  for (const auto& [id, p] : known) {
+    const int slot = tracker_->library().find(id);
+    ASSERT_GE(slot, 0);
+    renewed += (tracker_->library()[slot].p_map - p).norm() < 1e-3F ? 1 : 0;
+  }
+  EXPECT_GE(10 * renewed, 9 * known.size());
 }
 
 TEST_F(WindowWithoutSight, DoesNotTakeAnotherPlaceForTheMap) {

@@ -141,7 +141,9 @@ CutTrial run_trial(const Recording& recording, Tracker& tracker, CutTrial trial,
       trial.frames_to_seen = back;
     }
     ++back;
-    good = report.state == TrackingState::kTracking ? good + 1 : 0;
+    if (report.status != Status::kRepeatedImage) {
+      good = report.state == TrackingState::kTracking ? good + 1 : 0;
+    }
     if (trial.frames_to_recovery < 0 && good >= kLasting) {
       trial.frames_to_recovery = back - (kLasting - 1);
       if (expected) {

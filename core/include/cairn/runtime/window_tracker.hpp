@@ -38,16 +38,16 @@ inline constexpr int shrunk_image(int width, int height) {
 /// with what is left of the frame's work; report.
 ///
 /// Where too few landmarks agree for some frames the tracker is lost: it begins its map anew where
-/// it believes to be, with the depth that it saw last, so that the scale is kept roughly. It has no
-/// map library: what left the view is forgotten.
+/// it believes to be, with the depth that it saw last, so that the scale is kept roughly, and seeks
+/// its place in the map that it remembers (WindowMemory).
 ///
 /// The focal length is a state of the window (WindowParameters::focal_sigma says how well the
 /// camera file knows it), but for a fisheye lens.
 ///
-/// Deterministic, without random numbers. All storage is inside. One frame costs at most
-/// kWindowFeatures template searches, three poses, one pass of corner detection after a keyframe;
-/// the window's iterations wait for frames whose work affords them, and at most four frames for the
-/// first.
+/// Deterministic; random numbers are drawn for P3P alone, after a loss. All storage is inside. One
+/// frame costs at most kWindowFeatures template searches, three poses, one pass of corner detection
+/// after a keyframe; the window's iterations wait for frames whose work affords them, and at most
+/// four frames for the first.
 template <class Config>
 class WindowTracker {
  public:
@@ -64,7 +64,7 @@ class WindowTracker {
     HandheldRotation::Parameters rotation;
     typename Memory::Parameters memory;
     float forget_s = 30.0F;    ///< after a loss; where nothing was recognised, the new map counts
-    int astray_features = 12;  ///< searched in frames of which the memory takes points
+    int astray_features = 10;  ///< searched in frames of which the memory takes points
     float keyframe_parallax_px = 12.0F;  ///< mean since the last keyframe, its rotation apart
     float keyframe_share = 0.75F;  ///< found of the last one's features, below which one is made
     int keyframe_frames = 12;      ///< since the last one, at most, of a camera that does not stand

@@ -77,6 +77,12 @@ class PlaceRecogniser {
         kConclusion;
     return match > pose ? match : pose;
   }
+  /// Units that so many samples of P3P take, and their poses.
+  static int pose_work(int samples, int poses, int matches) {
+    constexpr int kSample = 5;  // P3P
+    constexpr int kMatchesPerUnit = 5;
+    return samples * kSample + poses * matches / kMatchesPerUnit;
+  }
   /// Continues: comparisons first, then RANSAC samples. Books its work in `budget`.
   Outcome step(const PinholeCamera<float>& camera, const Library& library,
                const Parameters& parameters, Random& random, WorkBudget& budget);
@@ -87,11 +93,6 @@ class PlaceRecogniser {
  private:
   static constexpr int kConclusion = 50 + 9 * kMaxMatches;  // units
   static int match_work(int pairs, int compared) { return 1 + pairs / 12 + compared / 5; }
-  static int pose_work(int samples, int poses, int matches) {
-    constexpr int kSample = 5;  // P3P
-    constexpr int kMatchesPerUnit = 5;
-    return samples * kSample + poses * matches / kMatchesPerUnit;
-  }
   Matcher matcher_;
   PoseSearch<float> search_;
   Rigid<float> T_map_camera_;

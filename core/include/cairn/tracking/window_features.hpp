@@ -6,6 +6,7 @@
 #include "cairn/vision/shrunk_image.hpp"
 #include "cairn/vision/template_search.hpp"
 #include "cairn/vision/texture_points.hpp"
+#include "cairn/vision/warped_search.hpp"
 #include "cairn/window/keyframe_window.hpp"
 
 namespace cairn {
@@ -15,6 +16,20 @@ namespace work {
 /// find_template() over (2 radius + 1)^2 places.
 inline constexpr int template_search(int radius) {
   return 14 + (2 * radius + 1) * (2 * radius + 1) * 3 / 10;
+}
+
+/// Whether WindowFeatures::find_warped() looks at every second place alone.
+inline constexpr bool searches_widely(int radius) {
+  return radius > kMaxWarpedRadius;
+}
+/// WindowFeatures::find_warped(), the warp included.
+inline constexpr int warped_search(int radius) {
+  constexpr int kWarp = 5;
+  const int side = 2 * radius + 11;
+  const int even = radius + radius % 2;
+  return searches_widely(radius)
+             ? kWarp + 33 + (even + 1) * (even + 1) / 4 + (even + 6) * (even + 6) * 46 / 1000
+             : kWarp + template_search(radius) + side * side * 46 / 1000;
 }
 
 /// TexturePoints::rate() of so many cells, and closing some.
@@ -128,21 +143,28 @@ class WindowFeatures {
   /// Points of the picture beside the features that were found, spread over it, about `most`: the
   /// best of each block of two cells by two. They hold until add() is called.
   const Candidates& spread_points(FrameContext& frame, int most);
-  /// Pixel at which the frame's shrunk image shows a coarse template, within `radius_px` of it
-  /// about `expected`. False where it is not found. Cost: work::template_search().
-  bool find_coarsely(const SmallTemplate& coarse, const Vector2<float>& expected, int radius_px,
-                     int least_q15, Vector2<float>& pixel) const {
-    constexpr float kFromQ8 = 1.0F / 256.0F;
+  /// Pixel at which the frame's shrunk image shows a coarse template of another view, within
+  /// `radius_px` of it about `expected`. `warp`: from offsets there to offsets here. False where it
+  /// is not found. A wide search looks at every second place. Cost: work::warped_search().
+  bool find_warped(const SmallTemplate& coarse, const PatchWarp& warp,
+                   const Vector2<float>& expected, int radius_px, int least_q15,
+                   Vector2<float>& pixel) const {
+    constexpr float kQ8 = 256.0F;
+    const int x_q8 = round_to_int(kQ8 * shrunk_.to_shrunk(expected.x()));
+    const int y_q8 = round_to_int(kQ8 * shrunk_.to_shrunk(expected.y()));
     TemplateMatch match;
-    if (!ok(find_template(shrunk_.view(), coarse, round_to_int(shrunk_.to_shrunk(expected.x())),
-                          round_to_int(shrunk_.to_shrunk(expected.y())), radius_px, least_q15,
-                          match))) {
-      return false;
-    }
-    pixel = Vector2<float>(shrunk_.to_picture(kFromQ8 * static_cast<float>(match.x_q8)),
-                           shrunk_.to_picture(kFromQ8 * static_cast<float>(match.y_q8)));
+    const Status found = work::searches_widely(radius_px)
+                             ? find_warped_template_widely(shrunk_.view(), coarse, warp, x_q8, y_q8,
+                                                           radius_px, least_q15, match)
+                             : find_warped_template(shrunk_.view(), coarse, warp, x_q8, y_q8,
+                                                    radius_px, least_q15, match);
+    if (!ok(found)) return false;
+    pixel = Vector2<float>(shrunk_.to_picture(static_cast<float>(match.x_q8) / kQ8),
+                           shrunk_.to_picture(static_cast<float>(match.y_q8) / kQ8));
     return true;
   }
+  /// The frame's shrunk image.
+  ImageView shrunk() const { return shrunk_.view(); }
   /// Takes new templates of the features that the frame found.
   void renew_templates(const FrameContext& frame);
 

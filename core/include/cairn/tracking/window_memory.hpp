@@ -2,6 +2,7 @@
 
 #include "cairn/map/library.hpp"
 #include "cairn/tracking/place_recogniser.hpp"
+#include "cairn/tracking/place_views.hpp"
 #include "cairn/tracking/window_features.hpp"
 
 namespace cairn {
@@ -14,6 +15,7 @@ struct WindowLibraryConfig : Config {
       Config::kLibraryLandmarks < 256 ? Config::kLibraryLandmarks : 256;
   static constexpr int kRelocalisationFeatures = 160;
   static constexpr int kRelocalisationMatches = 48;
+  static constexpr int kPlaceViews = kLibraryLandmarks / 5 < 40 ? kLibraryLandmarks / 5 : 40;
 };
 
 /// The long memory of a WindowTracker: landmarks whose depth is well known, kept in a library with
@@ -26,7 +28,8 @@ class WindowMemory {
   using Recogniser = PlaceRecogniser<LibraryConfig>;
   using Features = WindowFeatures<Config>;
   using Window = typename Features::Window;
-  static constexpr int kMaxSought = 40;  ///< landmarks that are sought to confirm a place
+  using Views = PlaceViews<LibraryConfig::kPlaceViews>;
+  static constexpr int kMaxSought = 60;  ///< landmarks that are sought to confirm a place
 
   /// A landmark of the library that an image shows, and where.
   struct Seen {
@@ -43,18 +46,26 @@ class WindowMemory {
 
   struct Parameters {
     typename Recogniser::Parameters recogniser;
+    int view_proposals = 4;    ///< views that propose a pose of an image
+    int seek_radius_px = 16;   ///< in the shrunk image, about where such a pose expects a landmark,
+    int seek_landmarks = 38;   ///< of which so many are sought,
+    int seek_samples = 150;    ///< of three of them, for P3P,
+    int seek_found = 6;        ///< and so many must agree on a pose
     int wide_radius_px = 8;    ///< in the shrunk image, about where a landmark should be
     int narrow_radius_px = 3;  ///< same, once the landmarks agreed on a pose
     int least_q15 = 19661;     ///< correlation in the shrunk image, 0.6
     float inlier_px = 6.0F;
-    int min_found = 12;            ///< landmarks that make a place,
-    float min_found_share = 0.3F;  ///< and of those sought
-    int reuse_visits = 64;         ///< library landmarks, in a frame
-    int reuse_searches = 4;        ///< of these
-    int reuse_q15 = 26214;         ///< correlation, 0.8
-    int reuse_radius_px = 2;       ///< in the shrunk image
-    int min_library = 16;          ///< landmarks; with fewer a lost tracker begins its map anew
-    int mature_sightings = 10;  ///< a feature is archived at so many, and its record renewed each
+    float chance_share = 0.3F;  ///< of the landmarks sought, that a wrong pose may find too
+    float evidence = 4.0F;      ///< landmarks found beyond that, in an image that confirms a place,
+    float least_evidence = 0.0F;    ///< and in one that does not refute it
+    float position_sigma = 0.015F;  ///< of the pose, at most, relative to the landmarks' distance
+    int confirmations = 2;          ///< images that make a place
+    int reuse_visits = 64;          ///< library landmarks, in a frame
+    int reuse_searches = 4;         ///< of these
+    int reuse_q15 = 26214;          ///< correlation, 0.8
+    int reuse_radius_px = 2;        ///< in the shrunk image
+    int min_library = 16;           ///< landmarks; with fewer a lost tracker begins its map anew
+    int mature_sightings = 20;  ///< a feature is archived at so many, and its record renewed each
                                 ///< time that the number doubles
     float max_depth_sigma = 0.1F;  ///< of an archived feature, relative to its depth
     float same_share = 0.02F;      ///< of its distance: a landmark nearer to it is the same point
@@ -64,8 +75,12 @@ class WindowMemory {
       const auto radius = [](int r) { return r >= 1 && r <= kMaxSearchRadius; };
       const bool good = ok(recogniser.validate()) && radius(wide_radius_px) &&
                         radius(narrow_radius_px) && least_q15 >= 0 && least_q15 <= 1 << 15 &&
-                        is_positive(inlier_px) && min_found >= 6 && min_found_share >= 0.0F &&
-                        min_found_share <= 1.0F && reuse_visits >= 0 && reuse_searches >= 0 &&
+                        is_positive(inlier_px) && view_proposals >= 0 &&
+                        view_proposals <= kMaxProposals && radius(seek_radius_px) &&
+                        seek_landmarks >= 6 && seek_landmarks <= kMaxSought && seek_found >= 4 &&
+                        chance_share >= 0.0F && chance_share < 1.0F && is_finite(evidence) &&
+                        is_finite(least_evidence) && is_positive(position_sigma) &&
+                        confirmations >= 1 && reuse_visits >= 0 && reuse_searches >= 0 &&
                         radius(reuse_radius_px) && reuse_q15 >= 0 && reuse_q15 <= 1 << 15 &&
                         min_library >= 0 && mature_sightings >= 1 && is_positive(max_depth_sigma);
       return good ? Status::kOk : Status::kBadConfig;
@@ -75,41 +90,58 @@ class WindowMemory {
   void reset(const Parameters& parameters) {
     parameters_ = parameters;
     library_.clear();
+    views_.clear();
     health_ = Health{};
     recogniser_.reset();
-    stage_ = Stage::kIdle;
-    next_slot_ = 0;
+    begin();
+    next_slot_ = next_renewed_ = 0;
     host_ = -1;
   }
   void forget() {
     library_.clear();
+    views_.clear();
     begin();
   }
   /// Recognition starts over.
-  void begin() { stage_ = Stage::kIdle; }
+  void begin() {
+    stage_ = Stage::kIdle;
+    by_views_ = false;
+  }
+
+  /// The library gets the depth that is known of a feature by now: before it is given up. Cost:
+  /// kRenewal.
+  void renew_depth(FrameContext& frame, const Window& window, const WindowFeature& feature,
+                   float sigma);
 
   const Library& library() const { return library_; }
   Library& library() { return library_; }
   const Health& health() const { return health_; }
   bool library_too_small() const { return library_.size() < parameters_.min_library; }
 
-  /// Archives features that are due, a bounded number in a frame. `T_camera_world`: the frame's.
+  /// Archives features that are due, a bounded number in a frame, and renews the depths of
+  /// some that were. `T_camera_world`: the frame's.
   void archive_due(FrameContext& frame, const Window& window, Features& features,
                    const Rigid<float>& T_camera_world, float sigma);
 
   /// Whether the next call of recognise() wants an image's points: the frame then should leave
   /// capture_work().
   bool wants_points() const { return stage_ == Stage::kIdle; }
-  static int capture_work(const ImageView& image) {
+  int capture_work(const ImageView& image) const {
+    return compares_views() ? views_work() : points_work(image);
+  }
+  /// Whether a view's pose is tried in the next image: the frame then should leave trial_work().
+  bool wants_to_try() const { return stage_ == Stage::kSeeking || stage_ == Stage::kSampling; }
+  int trial_work() const { return (stage_ == Stage::kSeeking ? seek_work() : 0) + sampling_work(); }
+  static int points_work(const ImageView& image) {
     constexpr int kCell = Features::Candidates::kCell;
     return Recogniser::kMaxPoints * (work::kDescriptor + work::texture_point(kCell)) +
            work::texture_cells(image.width * image.height / (kCell * kCell), kCell) + kSelection;
   }
   /// Whether the next image is to confirm a place: the frame then should leave confirm_work().
-  bool wants_to_confirm() const { return stage_ == Stage::kFound || stage_ == Stage::kProposed; }
+  bool wants_to_confirm() const { return stage_ == Stage::kFound; }
   static int confirm_work(int radius) {
-    return kVisit + 2 * refinement_work(kMaxSought) +
-           kMaxSought * (work::template_search(radius) + work::template_search(3));
+    return kVisit + 2 * refinement_work(kMaxSought) + kWidelySought * work::warped_search(radius) +
+           kMaxSought * work::warped_search(3);
   }
   int confirm_work() const { return confirm_work(parameters_.wide_radius_px); }
   /// Steps of the recognition, as many as the frame's work affords. True where a place was
@@ -121,28 +153,64 @@ class WindowMemory {
   void take_place(FrameContext& frame, Window& window, Features& features);
   /// The window has a new keyframe.
   void note_keyframe() { host_ = -1; }
+  /// Keeps the present view, of a camera whose place in the map is known. `inverse_depth`: of what
+  /// it sees.
+  void keep_view(FrameContext& frame, const Features& features, const Rigid<float>& T_camera_world,
+                 float inverse_depth);
   /// Landmarks of a part of the library, each time of another one, become features where the frame,
   /// at T_camera_world, finds them. Cost: reuse_visits projections and reuse_searches searches.
   void reuse(FrameContext& frame, Window& window, Features& features,
              const Rigid<float>& T_camera_world);
 
  private:
-  static constexpr int kStride = 97;  ///< coprime to any library: what is left out is spread
-  enum class Stage : std::uint8_t { kIdle, kComparing, kFound, kProposed };
+  static constexpr int kWidelySought = 24;  ///< of kMaxSought, before they agree on a pose
+  static constexpr int kMaxProposals = 8;
+  static constexpr int kPictureWork = 60;  ///< units, of SmallPicture::take() of a shrunk image
+  static constexpr int kStride = 97;       ///< coprime to any library: what is left out is spread
+  enum class Stage : std::uint8_t { kIdle, kComparing, kSeeking, kSampling, kFound };
   static constexpr int kSelection = 120;  // units
+  static constexpr int kRenewal = 50;     // of MapLibrary::update()
   static constexpr int kVisit = LibraryConfig::kLibraryLandmarks * work::kLibrarySlot;
   static int refinement_work(int count) { return work::kRefinement * count / 24; }
 
+  int seek_work() const {
+    return kVisit / 2 +
+           parameters_.seek_landmarks * work::warped_search(parameters_.seek_radius_px);
+  }
+  /// Most often; what is left waits for the next frame.
+  int sampling_work() const {
+    return Recogniser::pose_work(parameters_.seek_samples, 2 * parameters_.seek_samples,
+                                 parameters_.seek_landmarks / 2);
+  }
+  int views_work() const { return kPictureWork + views_.size() * work::kViewComparison; }
+  bool compares_views() const { return by_views_ && views_.size() > 0; }
   bool expected_view(const FrameContext& frame, int slot, const Rigid<float>& T_map_camera,
                      Vector2<float>& pixel) const;
+  bool find(const FrameContext& frame, const Features& features, int slot,
+            const Rigid<float>& T_map_camera, const Vector2<float>& expected, int radius,
+            int least_q15, Vector2<float>& pixel) const;
+  bool confirm(FrameContext& frame, const Features& features, const Rigid<float>& T_camera_world);
+  void begin_image(FrameContext& frame, Features& features, const Rigid<float>& T_camera_world);
+  void compare_views(FrameContext& frame, const Features& features,
+                     const Rigid<float>& T_camera_world);
+  bool seek_proposal(FrameContext& frame, const Features& features,
+                     const Rigid<float>& T_camera_world);
+  void sample_pose(FrameContext& frame);
+  void next_proposal();
+  void begin_looks();
+  void observe_seen();
   void take(FrameContext& frame, Window& window, Features& features, const Seen& seen,
             const Rigid<float>& T_camera_map);
-  bool look(FrameContext& frame, const Features& features, int radius);
-  void seek(FrameContext& frame, const Features& features, int radius);
+  float look(FrameContext& frame, const Features& features, int radius);
+  bool pose_is_sure() const;
+  static constexpr int kMostLooks = 6;
+  void seek(FrameContext& frame, const Features& features, int radius, int most);
   bool refine(FrameContext& frame);
   bool is_due(const WindowFeature& feature) const;
   void archive(FrameContext& frame, const Window& window, WindowFeature& feature,
                const Rigid<float>& T_camera_world, float sigma);
+  void place_landmark(const Window& window, int slot, float sigma,
+                      typename Library::Landmark& landmark) const;
   int same_point(const Vector3<float>& p_map, float distance) const;
   void capture(FrameContext& frame, Features& features, const Rigid<float>& T_camera_world);
   void compare(FrameContext& frame);
@@ -152,7 +220,14 @@ class WindowMemory {
   Health health_;
   Recogniser recogniser_;
   SmallTemplate coarse_[LibraryConfig::kLibraryLandmarks];  ///< of each slot, as archived
+  Views views_;
   Stage stage_ = Stage::kIdle;
+  bool by_views_ = false;  ///< the next image is compared with views, else with landmarks
+  FixedVector<Rigid<float>, kMaxProposals> proposals_;  ///< T_map_camera, the best last
+  PoseSearch<float> search_;
+  int looks_ = 0;                ///< at place_,
+  int confirmed_ = 0;            ///< and those of them that confirmed it
+  int next_renewed_ = 0;         ///< feature
   int next_slot_ = 0;            ///< before the next one that reuse() visits
   int host_ = -1;                ///< of reused landmarks, in the window, until its next keyframe
   Rigid<float> T_host_map_;      ///< its pose
@@ -162,110 +237,8 @@ class WindowMemory {
   std::uint8_t inlier_[kMaxSought];
 };
 
-template <class Config>
-bool WindowMemory<Config>::is_due(const WindowFeature& feature) const {
-  const int mature = parameters_.mature_sightings;
-  if (!feature.in_library) return feature.sightings >= mature;
-  int next = mature;
-  while (next < feature.sightings) next *= 2;
-  return next == feature.sightings;
-}
-
-template <class Config>
-void WindowMemory<Config>::archive_due(FrameContext& frame, const Window& window,
-                                       Features& features, const Rigid<float>& T_camera_world,
-                                       float sigma) {
-  constexpr int kMaxInFrame = 4;  // the others follow in the next frames
-  int archived = 0;
-  for (int i = 0; i < features.size() && archived < kMaxInFrame; ++i) {
-    WindowFeature& feature = features[i];
-    if (!feature.found || feature.outliers > 0 || !is_due(feature)) continue;
-    if (!(window.sigma(feature.slot) <
-          parameters_.max_depth_sigma * window.inverse_depth(feature.slot))) {
-      continue;
-    }
-    if (!frame.work.take(work::kArchiving + work::kDescriptor)) return;
-    archive(frame, window, feature, T_camera_world, sigma);
-    ++archived;
-  }
-}
-
-/// Slot of the landmark at a place, seen from a distance, -1 where there is none: a point that was
-/// lost and found again is in the library already.
-template <class Config>
-int WindowMemory<Config>::same_point(const Vector3<float>& p_map, float distance) const {
-  const float reach = parameters_.same_share * distance;
-  int best = -1;
-  float nearest = square(reach);
-  for (int slot = 0; slot < library_.size(); ++slot) {
-    const float squared = (library_[slot].p_map - p_map).squaredNorm();
-    if (!(squared < nearest)) continue;
-    nearest = squared;
-    best = slot;
-  }
-  return best;
-}
-
-/// The covariance is that of the depth, the poses known, and of the pixel.
-template <class Config>
-void WindowMemory<Config>::archive(FrameContext& frame, const Window& window,
-                                   WindowFeature& feature, const Rigid<float>& T_camera_world,
-                                   float sigma) {
-  constexpr float kLeastSigma = 0.01F;  // of the depth
-  typename Library::Landmark landmark;
-  LandmarkView<float>& view = landmark.views[0];
-  view.pose.scale_index = kReferenceScaleIndex;
-  view.pose.orientation_bin = roll_bin(T_camera_world);
-  if (!ok(describe_freak(frame.image, round_to_int(feature.pixel.x()),
-                         round_to_int(feature.pixel.y()), view.pose, view.descriptor))) {
-    return;
-  }
-  view.focal_px = 0.5F * (frame.camera.fx + frame.camera.fy);
-  view.T_map_reference = T_camera_world.inverse();
-  landmark.id = window.id(feature.slot);
-  landmark.p_map = window.position(feature.slot);
-  const Vector3<float> ray = landmark.p_map - view.T_map_reference.translation;
-  const float own = window.sigma(feature.slot) / window.inverse_depth(feature.slot);
-  const float along = square(own > kLeastSigma ? own : kLeastSigma);
-  landmark.covariance = square(sigma) * ray.squaredNorm() * Matrix3<float>::Identity() +
-                        along * (ray * ray.transpose());
-  if (library_.find(landmark.id) < 0) {
-    const int known = same_point(landmark.p_map, sqrt(ray.squaredNorm()));
-    if (known >= 0) landmark.id = library_[known].id;
-  }
-  landmark.searches = feature.searches;
-  landmark.sightings = feature.sightings < feature.searches ? feature.sightings : feature.searches;
-  landmark.view_count = 1;
-  const Status status = library_.find(landmark.id) < 0 ? library_.insert(landmark, health_)
-                                                       : library_.update(landmark);
-  if (ok(status)) {
-    coarse_[library_.find(landmark.id)] = feature.coarse;
-    ++frame.health.landmarks_archived;
-  }
-  feature.in_library = true;
-}
-
-/// Describes what the frame found, then further points.
-template <class Config>
-void WindowMemory<Config>::capture(FrameContext& frame, Features& features,
-                                   const Rigid<float>& T_camera_world) {
-  const std::uint8_t bin = roll_bin(T_camera_world);
-  recogniser_.reset();
-  for (int i = 0; i < features.size(); ++i) {
-    if (features[i].found) {
-      static_cast<void>(recogniser_.add(frame.image, features[i].pixel, bin));
-    }
-  }
-  const int most = Recogniser::kMaxPoints - recogniser_.points();
-  const typename Features::Candidates& points = features.spread_points(frame, most);
-  for (int i = 0; i < points.cells(); ++i) {
-    if (!points.is_open(i)) continue;
-    const Vector2<float> pixel(points[i].x, points[i].y);
-    static_cast<void>(recogniser_.add(frame.image, pixel, bin));
-  }
-  frame.work.spend(recogniser_.points() * work::kDescriptor + kSelection);
-}
-
 }  // namespace cairn
 
+#include "cairn/tracking/detail/window_memory_archive.hpp"
 #include "cairn/tracking/detail/window_memory_places.hpp"
+#include "cairn/tracking/detail/window_memory_views.hpp"

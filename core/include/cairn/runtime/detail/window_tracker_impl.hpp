@@ -277,6 +277,7 @@ void WindowTracker<Config>::keep_keyframes(FrameContext& frame) {
 
 template <class Config>
 void WindowTracker<Config>::remove(FrameContext& frame, int i) {
+  if (!astray_) memory_.renew_depth(frame, window_, features_[i], parameters_.window.sigma);
   window_.retire(features_[i].slot);
   features_.remove(i);
   ++frame.report.removed;

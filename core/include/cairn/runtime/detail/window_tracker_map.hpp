@@ -75,7 +75,12 @@ void WindowTracker<Config>::note_weak(FrameContext& frame) {
   if (weak_frames_ <= parameters_.weak_frames && features_.size() >= parameters_.min_inliers)
     return;
   ++health_.losses;
-  if (!astray_) lost_attitude_ = attitude_[window_.newest()] + attitude_by_focal();
+  if (!astray_) {
+    lost_attitude_ = attitude_[window_.newest()] + attitude_by_focal();
+    for (int i = 0; i < features_.size(); ++i) {
+      memory_.renew_depth(frame, window_, features_[i], parameters_.window.sigma);
+    }
+  }
   astray_ = !memory_.library_too_small();
   astray_s_ = 0.0F;
   returned_ = false;

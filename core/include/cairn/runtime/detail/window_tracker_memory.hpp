@@ -18,7 +18,8 @@ bool WindowTracker<Config>::depths_hold() const {
 /// While astray the memory takes points of some frames, which then search fewer features.
 template <class Config>
 bool WindowTracker<Config>::takes_points(const FrameContext& frame) const {
-  const int wanted = memory_.wants_points()       ? Memory::capture_work(frame.image)
+  const int wanted = memory_.wants_points()       ? memory_.capture_work(frame.image)
+                     : memory_.wants_to_try()     ? memory_.trial_work()
                      : memory_.wants_to_confirm() ? memory_.confirm_work()
                                                   : 0;
   if (!astray_ || wanted == 0) return false;
@@ -34,6 +35,7 @@ template <class Config>
 void WindowTracker<Config>::keep_memory(FrameContext& frame) {
   if (astray_ || !window_.settled()) return;
   memory_.archive_due(frame, window_, features_, T_camera_world_, parameters_.window.sigma);
+  memory_.keep_view(frame, features_, T_camera_world_, typical_inverse_depth_);
   if (returned_) memory_.reuse(frame, window_, features_, T_camera_world_);
 }
 

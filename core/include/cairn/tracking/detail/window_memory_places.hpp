@@ -7,26 +7,49 @@ namespace cairn {
 template <class Config>
 bool WindowMemory<Config>::recognise(FrameContext& frame, Features& features,
                                      const Rigid<float>& T_camera_world) {
-  if (stage_ == Stage::kIdle) {
-    if (!frame.work.affords(capture_work(frame.image))) return false;
-    capture(frame, features, T_camera_world);
-    T_camera_world_ = T_camera_world;
-    stage_ = Stage::kComparing;
-    return false;
+  if (stage_ == Stage::kFound) return confirm(frame, features, T_camera_world);
+  if (stage_ == Stage::kIdle) begin_image(frame, features, T_camera_world);
+  if (stage_ == Stage::kComparing) compare(frame);
+  for (int i = 0; i < kMaxProposals && stage_ == Stage::kSeeking; ++i) {
+    if (!seek_proposal(frame, features, T_camera_world)) break;
+    if (stage_ == Stage::kSampling) sample_pose(frame);
   }
-  if (stage_ == Stage::kComparing) {
-    compare(frame);
-    return false;
-  }
-  const bool first = stage_ == Stage::kFound;
-  const int radius = first ? parameters_.wide_radius_px : 2 * parameters_.narrow_radius_px;
+  if (stage_ == Stage::kSampling) sample_pose(frame);
+  return false;
+}
+
+/// By templates and by descriptors in turn.
+template <class Config>
+void WindowMemory<Config>::begin_image(FrameContext& frame, Features& features,
+                                       const Rigid<float>& T_camera_world) {
+  if (!frame.work.affords(capture_work(frame.image))) return;
+  const bool views = compares_views();
+  by_views_ = !by_views_;
+  T_camera_world_ = T_camera_world;
+  if (views) return compare_views(frame, features, T_camera_world);
+  capture(frame, features, T_camera_world);
+  stage_ = Stage::kComparing;
+}
+
+/// A pose proposed is confirmed by the present image: true for the second one that does.
+template <class Config>
+bool WindowMemory<Config>::confirm(FrameContext& frame, const Features& features,
+                                   const Rigid<float>& T_camera_world) {
+  const int radius = looks_ == 0 ? parameters_.wide_radius_px : 2 * parameters_.narrow_radius_px;
   if (!frame.work.affords(confirm_work(radius))) return false;
   place_.T_map_camera = place_.T_map_camera * T_camera_world_ * T_camera_world.inverse();
   T_camera_world_ = T_camera_world;
-  const bool confirmed = look(frame, features, radius);
-  stage_ = confirmed && first ? Stage::kProposed : Stage::kIdle;
-  if (!confirmed) ++frame.health.false_relocalisations_refused;
-  return confirmed && !first;
+  const float evidence = look(frame, features, radius);
+  ++looks_;
+  if (evidence >= parameters_.evidence && pose_is_sure()) ++confirmed_;
+  if (evidence < parameters_.least_evidence || looks_ == kMostLooks) {
+    ++frame.health.false_relocalisations_refused;
+    next_proposal();
+    return false;
+  }
+  if (confirmed_ < parameters_.confirmations) return false;
+  stage_ = Stage::kIdle;
+  return true;
 }
 
 template <class Config>
@@ -39,21 +62,34 @@ void WindowMemory<Config>::compare(FrameContext& frame) {
   if (outcome == Recogniser::Outcome::kFailed) stage_ = Stage::kIdle;
   if (outcome != Recogniser::Outcome::kProposed) return;
   place_.T_map_camera = recogniser_.T_map_camera();
-  stage_ = Stage::kFound;
+  begin_looks();
 }
 
-/// Whether enough of the landmarks that a camera at place_.T_map_camera should see are found, at
-/// most `radius` from where they should be, and agree on a pose, which T_map_camera then is.
+/// Seeks the landmarks that a camera at place_.T_map_camera should see, at most `radius` from where
+/// they should be, and moves that pose to where most of them agree. How many more do than a wrong
+/// pose finds.
 template <class Config>
-bool WindowMemory<Config>::look(FrameContext& frame, const Features& features, int radius) {
-  seek(frame, features, radius);
-  if (!refine(frame)) return false;
-  seek(frame, features, parameters_.narrow_radius_px);
-  if (!refine(frame)) return false;
-  const int found = place_.seen.size();
-  return found >= parameters_.min_found &&
-         static_cast<float>(found) >=
-             parameters_.min_found_share * static_cast<float>(place_.sought);
+float WindowMemory<Config>::look(FrameContext& frame, const Features& features, int radius) {
+  constexpr float kNone = -1e6F;
+  seek(frame, features, radius, kWidelySought);
+  if (!refine(frame)) return kNone;
+  seek(frame, features, parameters_.narrow_radius_px, kMaxSought);
+  if (!refine(frame)) return kNone;
+  return static_cast<float>(place_.seen.size()) -
+         parameters_.chance_share * static_cast<float>(place_.sought);
+}
+
+/// Landmarks that are close together, or in a plane, leave the camera free to move about them.
+template <class Config>
+bool WindowMemory<Config>::pose_is_sure() const {
+  const Vector3<float>& centre = place_.T_map_camera.translation;
+  float distances = 0.0F;
+  for (const Seen& seen : place_.seen) {
+    distances += sqrt((library_[seen.slot].p_map - centre).squaredNorm());
+  }
+  const float mean = distances / static_cast<float>(place_.seen.size());
+  return place_.covariance.template topLeftCorner<3, 3>().trace() <
+         square(parameters_.position_sigma * mean);
 }
 
 /// Where a camera should see a landmark, and as it was seen when it was archived. False where it
@@ -78,19 +114,20 @@ bool WindowMemory<Config>::expected_view(const FrameContext& frame, int slot,
 }
 
 template <class Config>
-void WindowMemory<Config>::seek(FrameContext& frame, const Features& features, int radius) {
+void WindowMemory<Config>::seek(FrameContext& frame, const Features& features, int radius,
+                                int most) {
   place_.seen.clear();
   place_.sought = 0;
   frame.work.spend(library_.size() * work::kLibrarySlot / 2);
-  for (int i = 0; i < library_.size() && place_.sought < kMaxSought; ++i) {
+  for (int i = 0; i < library_.size() && place_.sought < most; ++i) {
     Seen seen;
     seen.slot = (i * kStride) % library_.size();
     Vector2<float> expected;
     if (!expected_view(frame, seen.slot, place_.T_map_camera, expected)) continue;
     ++place_.sought;
-    frame.work.spend(work::template_search(radius));
-    if (features.find_coarsely(coarse_[seen.slot], expected, radius, parameters_.least_q15,
-                               seen.pixel)) {
+    frame.work.spend(work::warped_search(radius));
+    if (find(frame, features, seen.slot, place_.T_map_camera, expected, radius,
+             parameters_.least_q15, seen.pixel)) {
       static_cast<void>(place_.seen.push_back(seen));
     }
   }
@@ -100,13 +137,9 @@ void WindowMemory<Config>::seek(FrameContext& frame, const Features& features, i
 template <class Config>
 bool WindowMemory<Config>::refine(FrameContext& frame) {
   constexpr int kLeast = 6;
-  constexpr float kSigma_px = 2.0F;
   FixedVector<Seen, kMaxSought>& seen = place_.seen;
   if (seen.size() < kLeast) return false;
-  for (int i = 0; i < seen.size(); ++i) {
-    const auto& landmark = library_[seen[i].slot];
-    observations_[i] = {landmark.p_map, landmark.covariance, seen[i].pixel, kSigma_px};
-  }
+  observe_seen();
   PoseRefinementOptions<float> options;
   options.max_iterations = 10;
   options.min_inliers = kLeast;
@@ -174,7 +207,7 @@ void WindowMemory<Config>::take_place(FrameContext& frame, Window& window, Featu
 template <class Config>
 void WindowMemory<Config>::reuse(FrameContext& frame, Window& window, Features& features,
                                  const Rigid<float>& T_camera_world) {
-  const int search = work::template_search(parameters_.reuse_radius_px) +
+  const int search = work::warped_search(parameters_.reuse_radius_px) +
                      work::window_landmark(Features::Candidates::kCell);
   const int visits =
       parameters_.reuse_visits < library_.size() ? parameters_.reuse_visits : library_.size();
@@ -193,8 +226,8 @@ void WindowMemory<Config>::reuse(FrameContext& frame, Window& window, Features& 
       continue;
     }
     ++searches;
-    if (features.find_coarsely(coarse_[seen.slot], expected, parameters_.reuse_radius_px,
-                               parameters_.reuse_q15, seen.pixel) &&
+    if (find(frame, features, seen.slot, T_map_camera, expected, parameters_.reuse_radius_px,
+             parameters_.reuse_q15, seen.pixel) &&
         features.is_free(frame, seen.pixel)) {
       take(frame, window, features, seen, T_camera_world);
     }
