@@ -24,11 +24,12 @@ class VehicleWithDoubtfulOdometry : public test::VehicleByAWall {
         sample.speed_mps = *share * static_cast<float>(kStep / (1e-6 * kStepUs));
         static_cast<void>(tracker_->add_odometry(sample));
       }
-      static_cast<void>(tracker_->process_frame(test::view(picture(frame_), test::small_camera()),
+      const int place = frame_ + ahead_;
+      static_cast<void>(tracker_->process_frame(test::view(picture(place), test::small_camera()),
                                                 sample.t_us, TickSource{}, report_));
       ++frame_;
       const double error =
-          static_cast<double>(tracker_->filter().mean_pose().position.x()) - (frame_ - 1) * kStep;
+          static_cast<double>(tracker_->filter().mean_pose().position.x()) - place * kStep;
       const double sigma = std::sqrt(static_cast<double>(tracker_->pose_covariance()(0, 0)));
       if (report_.state == TrackingState::kTracking) {
         EXPECT_LT(std::abs(error), 3.9 * sigma) << frame_;
@@ -37,6 +38,7 @@ class VehicleWithDoubtfulOdometry : public test::VehicleByAWall {
     }
   }
 
+  int ahead_ = 0;  ///< steps that it made beside those of the frames
   double error_m_ = 0.0;
 };
 
@@ -61,6 +63,18 @@ TEST_F(VehicleWithDoubtfulOdometry, IsUncertainWhileItsOdometryIsSilent) {
   const float right = 1.0F;
   drive(5, &right);
   EXPECT_EQ(report_.state, TrackingState::kTracking);
+}
+
+/// Neither pictures nor odometry come for a while, in which it drives twice as fast.
+TEST_F(VehicleWithDoubtfulOdometry, IsAsUnsureAsAGapLeavesItAndMapsOn) {
+  constexpr int kMissing[] = {8, 12};  // frames: 0.27 and 0.4 s
+  const float right = 1.0F;
+  for (const int missing : kMissing) {
+    frame_ += missing;
+    ahead_ += missing;
+    drive(45, &right);
+    EXPECT_EQ(report_.state, TrackingState::kTracking) << missing;
+  }
 }
 
 }  // namespace

@@ -152,12 +152,51 @@ TEST_F(AVehicleWithOdometry, BecomesUncertainByWhatItCanHaveDoneInAGap) {
   ASSERT_TRUE(ok(add(kPeriodUs, 2.0F)));
   const float before = x();
   EXPECT_EQ(add(kPeriodUs + 4000000, 2.0F), Status::kTimeGap);
-  EXPECT_NEAR(x() - before, 2.0F, 1e-3F);  // held for the longest step
+  EXPECT_NEAR(x() - before, 8.0F, 1e-3F);  // as the readings before and after it say
   const Matrix3<float> covariance = filter_.pose_covariance();
   EXPECT_GT(covariance(0, 0), square(2.0F * 3.0F));
   EXPECT_GT(covariance(2, 2), square(0.5F * 3.0F));
   ASSERT_TRUE(ok(add(2 * kPeriodUs + 4000000, 2.0F)));
   EXPECT_EQ(health_.odometry_timeouts, 1U);
+}
+
+/// One reading every 33 ms, then none for 0.8 s, in which the vehicle begins to turn. What the next
+/// one says is the motion at its time, and no more of the time before than the last one said.
+TEST_F(AVehicleWithOdometry, BridgesSamplesThatAreMissing) {
+  constexpr std::int64_t kShortUs = 33333;
+  for (int k = 1; k <= 30; ++k) ASSERT_TRUE(ok(add(k * kShortUs, 1.0F)));
+  const float before = x();
+  const Matrix3<float> known = filter_.pose_covariance();
+  EXPECT_EQ(add(30 * kShortUs + 800000, 1.4F, 0.5F), Status::kOk);
+  const float way_m = std::sqrt(square(x() - before) + square(filter_.mean_pose().position.y()));
+  EXPECT_NEAR(way_m, 0.8F * 1.2F, 0.01F);
+  EXPECT_NEAR(filter_.mean_pose().heading, 0.2F, 1e-3F);
+  const Matrix3<float> added = filter_.pose_covariance() - known;
+  EXPECT_GT(std::sqrt(added(2, 2)), 0.13F);  // a turn that began at once is 0.4 rad, 1.5 sigmas off
+  EXPECT_LT(std::sqrt(added(2, 2)), 0.2F);
+  EXPECT_GT(std::sqrt(added(0, 0)), 0.2F);
+  EXPECT_LT(std::sqrt(added(0, 0)), 0.5F);
+  EXPECT_EQ(health_.odometry_timeouts, 0U);
+}
+
+/// Slow odometry is no gap: each reading is the motion since the one before.
+TEST_F(AVehicleWithOdometry, TakesSlowSamplesForTheTimeSinceTheOnesBefore) {
+  for (int k = 1; k <= 30; ++k) ASSERT_TRUE(ok(add(k * 500000, 1.0F)));
+  const Matrix3<float> known = filter_.pose_covariance();
+  ASSERT_TRUE(ok(add(31 * 500000, 1.0F, 0.2F)));
+  EXPECT_NEAR(filter_.mean_pose().heading, 0.1F, 1e-3F);
+  EXPECT_LT(std::sqrt((filter_.pose_covariance() - known)(2, 2)), 0.03F);
+}
+
+/// What is held while samples stay away is what the readings say on average, not the last one's
+/// noise.
+TEST_F(AVehicleWithOdometry, HoldsItsUsualMotionWhileSamplesAreMissing) {
+  for (int k = 1; k <= 30; ++k) {
+    ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F, k % 2 == 0 ? 0.3F : -0.3F)));
+  }
+  const float heading = filter_.mean_pose().heading;
+  for (int k = 1; k <= 24; ++k) ASSERT_TRUE(ok(integrate_to(30 * kPeriodUs + k * 33333)));
+  EXPECT_NEAR(filter_.mean_pose().heading, heading, 0.16F);
 }
 
 TEST_F(AVehicleWithOdometry, SaysThatOdometryFellSilent) {

@@ -7,7 +7,8 @@ namespace cairn {
 namespace {
 
 constexpr float kExcessWindow_s = 0.25F;
-constexpr float kBlind = 0.5F;  // of the longest step: images then contradict nothing
+constexpr float kMostHeading_rad = 1.8F;  // a heading of which nothing is known
+constexpr float kBlind = 0.5F;            // of the longest step: images then contradict nothing
 
 float larger(float a, float b) {
   return a > b ? a : b;
@@ -29,6 +30,7 @@ void OdometryIntegrator::reset(const OdometryNoise& noise, std::int64_t max_step
   noise_ = noise;
   steady_ = ReadingLowPass<float>(noise.steady_s);
   max_step_us_ = max_step_us;
+  interval_s_ = noise.sample_period_s;
   time_us_ = t_us;
   motion_.t_us = t_us;
 }
@@ -140,6 +142,33 @@ float OdometryIntegrator::most_contradiction(float speed_mps) const {
   return kSigmas * noise_.sigma_speed_mps *
              sqrt(noise_.sample_period_s / (2.0F * kExcessWindow_s)) +
          kShare * abs(speed_mps);
+}
+
+/// Whether samples that should have come in a time did not: what the next one says is then the
+/// motion at its own time alone.
+bool OdometryIntegrator::samples_missing(std::int64_t from_us, std::int64_t to_us) const {
+  constexpr float kIntervals = 3.0F;
+  const float longest_s = larger(kSilent * max_step_s(), kIntervals * interval_s_);
+  return has_motion_ && static_cast<float>(difference_us(to_us, from_us)) * 1e-6F > longest_s;
+}
+
+/// One that is missing counts as two intervals at most.
+void OdometryIntegrator::note_interval(float step_s) {
+  const float most = 2.0F * interval_s_;
+  interval_s_ += 0.125F * ((step_s < most ? step_s : most) - interval_s_);
+}
+
+/// Held for longer than a sample is meant for, one reading's noise would become a turn.
+void OdometryIntegrator::hold_steadily() {
+  if (!at_rest()) motion_ = steady_motion();
+}
+
+OdometrySample OdometryIntegrator::steady_motion() const {
+  OdometrySample motion = motion_;
+  if (by_images_) return motion;
+  motion.speed_mps = steady_.speed();
+  motion.turn = steady_.turn();
+  return motion;
 }
 
 /// From now on the motion held is the images' to correct, as speed and yaw rate.
@@ -265,7 +294,6 @@ float OdometryIntegrator::yaw_outlier() const {
 /// there: the deviation of the path is u t^2 / (2 max) first, and u (t - max / 2) from then on.
 OdometryIntegrator::Drift OdometryIntegrator::drift_between(float from_s, float to_s) const {
   constexpr float kMostPosition_m = 1e3F;
-  constexpr float kMostHeading_rad = 1.8F;  // a heading of which nothing is known
   const float max_s = static_cast<float>(max_step_us_) * 1e-6F;
   const float speed = larger(noise_.unknown_speed_mps, abs(motion_.speed_mps));
   const float yaw_rate =
@@ -280,6 +308,33 @@ OdometryIntegrator::Drift OdometryIntegrator::drift_between(float from_s, float 
       variance(speed, 0.0F, to_s, kMostPosition_m) - variance(speed, 0.0F, from_s, kMostPosition_m),
       variance(yaw_rate, turned, to_s, kMostHeading_rad) -
           variance(yaw_rate, turned, from_s, kMostHeading_rad)};
+}
+
+/// Speed and yaw rate walk at random from one sample to the other, as far in the longest step as
+/// the unknown, or as they changed: a third of the variance is left where only the first is known,
+/// a twelfth where both are. The heading on the way moves the path sideways. Beyond the longest
+/// step it is no less than what a vehicle can have done.
+OdometryIntegrator::Drift OdometryIntegrator::drift_between_samples(const OdometrySample& first,
+                                                                    const OdometrySample& last,
+                                                                    float step_s) const {
+  constexpr float kBothEnds = 1.0F / 12.0F;
+  constexpr float kShare = 0.3F;  // of the speed
+  const float turned = motion_over(last, 1.0F).yaw_rad - motion_over(first, 1.0F).yaw_rad;
+  const float walked = kBothEnds * step_s * square(step_s) / max_step_s();
+  const float fast = larger(abs(first.speed_mps), abs(last.speed_mps));
+  const float speed = square(noise_.unknown_speed_mps) + square(kShare * fast) +
+                      square(last.speed_mps - first.speed_mps);
+  const float heading = walked * (square(noise_.unknown_yaw_rate_radps) + square(turned));
+  const float way_m = 0.5F * step_s * (abs(first.speed_mps) + abs(last.speed_mps));
+  Drift drift = {walked * speed + 0.25F * square(way_m) * heading, heading};
+  if (step_s > max_step_s()) {
+    const Drift unknown = drift_between(0.0F, step_s);
+    drift = {larger(drift.position, unknown.position), larger(drift.heading, unknown.heading)};
+  }
+  constexpr float kMostPosition_m2 = 1e6F;
+  if (drift.position > kMostPosition_m2) drift.position = kMostPosition_m2;
+  if (drift.heading > square(kMostHeading_rad)) drift.heading = square(kMostHeading_rad);
+  return drift;
 }
 
 }  // namespace cairn

@@ -37,7 +37,8 @@ class PixelUpdate;
 /// With n states, a prediction costs O(1) or O(n), an update see update().
 ///
 /// ErrorModel holds mean and covariance and says what "error" means. It has the constants Scalar,
-/// kMaxLandmarks, kLandmarkDim, kVehicleStates, kStates, kHasWorldLandmarks, kDefersNoise, and
+/// kMaxLandmarks, kLandmarkDim, kVehicleStates, kStates, kHasWorldLandmarks, kDefersNoise,
+/// kTurnsAboutAnchor, and
 ///   start, propagate, widen_pose      the vehicle: at a known pose, by odometry, with more noise
 ///   frame, relative                   the relative vector landmark - vehicle, in frame()'s axes
 ///   relative_of, relative_columns,    with C its Jacobian by the error: C v, P C^T (x and y; the
@@ -48,7 +49,8 @@ class PixelUpdate;
 ///   append_..., remove_landmark,      the map; see error_model/landmark_insertion.hpp
 ///   widen_landmark
 ///   mean_..., pose..., landmark_...   what is read out
-/// A model with kDefersNoise holds noise back: deferred_noise(), deferred_noise_absorbed().
+/// A model with kDefersNoise holds noise back: deferred_noise(), deferred_noise_absorbed(). One
+/// with kTurnsAboutAnchor has errors about an anchor, which can be moved: bends(), move_anchor().
 template <class ErrorModel>
 class PlanarSlam {
  public:
@@ -199,6 +201,11 @@ class PlanarSlam {
 
   /// Adds independent noise to the pose: variances in m^2 (per axis) and rad^2.
   Status widen_pose(Scalar position_variance, Scalar heading_variance);
+
+  /// Where the heading has become so unsure that a turn about the error's distant centre would not
+  /// be linear, moves that centre to the vehicle; the estimate stays. Before an update, after what
+  /// widened the pose. Whether it moved. Cost: then n (n + 1) multiply-adds.
+  bool recentre();
 
   bool initialised() const { return initialised_; }
   /// Whether the tilt is part of the state, its mean, and its covariance over (pitch, roll), rad^2.

@@ -184,6 +184,9 @@ class FrameTracker {
   void report(Status status, FrameReport& report);
   NotTracked why_not_tracked(Status status) const;
   bool doubted() const;
+  bool unsure() const;
+  float most_chance(int matches) const;
+  void begin_anew(Frame& frame);
   int planned_searches() const;
   bool relocalises() const;
   VehicleMotion motion() const;
@@ -205,6 +208,7 @@ class FrameTracker {
   Health health_;
   VehicleScratch<Config> scratch_;
   float frame_step_s_ = 0.0F;
+  float unseen_yaw_ = 0.0F;  ///< variance of odometry's yaw since the pose was seen, rad^2
   bool thin_map_ = false;  ///< the last frame was weak for want of landmarks in view
 };
 

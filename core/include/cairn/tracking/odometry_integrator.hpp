@@ -107,12 +107,26 @@ class OdometryIntegrator {
     float yaw_rad = 0.0F;
   };
 
+  /// Variances of position (m^2) and heading (rad^2).
+  struct Drift {
+    float position = 0.0F;
+    float heading = 0.0F;
+  };
+
   void begin_at(std::int64_t t_us);
   void count_from(std::int64_t t_us);
   Status check(const OdometrySample& sample, Health& health) const;
   bool is_glitch(const OdometrySample& sample);
   bool is_contradicted(const OdometrySample& sample);
   float most_contradiction(float speed_mps) const;
+  bool samples_missing(std::int64_t from_us, std::int64_t to_us) const;
+  template <class Filter>
+  Status bridge_to(const OdometrySample& sample, Filter& filter);
+  Drift drift_between_samples(const OdometrySample& first, const OdometrySample& last,
+                              float step_s) const;
+  OdometrySample steady_motion() const;
+  void note_interval(float step_s);
+  void hold_steadily();
   void hold_by_images();
   void follow_image(float ahead_m, float turn_rad, float step_s);
   void note_slip(float seen_mps, float step_s);
@@ -125,13 +139,8 @@ class OdometryIntegrator {
   float sigma_speed(float scale) const;
   PlanarIncrement<float> increment_over(float dt_s) const;
   PlanarIncrement<float> increment_of(const OdometrySample& reading, float dt_s, float scale) const;
-  /// Variances of position (m^2) and heading (rad^2) that the time since the motion was known adds
-  /// between `from_s` and `to_s` after it.
-  struct Drift {
-    float position = 0.0F;
-    float heading = 0.0F;
-  };
   float yaw_outlier() const;
+  /// What the time since the motion was known adds between `from_s` and `to_s` after it.
   Drift drift_between(float from_s, float to_s) const;
 
   OdometryNoise noise_;
@@ -144,6 +153,7 @@ class OdometryIntegrator {
   ReadingLowPass<float> steady_;
   OdometrySample glitch_;
   int glitches_ = 0;
+  float interval_s_ = 0.0F;  ///< usual, from one sample to the next
   float slip_mps_ = 0.0F;    ///< standard deviation of the speed that glitches and images show
   float excess_mps_ = 0.0F;  ///< low-passed speed by images less that of samples
   float doubted_s_ = 0.0F;   ///< that a contradiction has lasted; after it, that doubt still lasts
@@ -159,10 +169,14 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
   begin_at(sample.t_us);
   const Status checked = check(sample, health);
   if (!ok(checked)) return checked;
-  const bool gap = seconds_since_sample(sample.t_us) > static_cast<float>(max_step_us_) * 1e-6F;
+  const bool gap = seconds_since_sample(sample.t_us) > max_step_s();
   const bool glitch = is_contradicted(sample) || (!gap && is_glitch(sample));
   Motion correction;
-  if (gap) {
+  if (!glitch && samples_missing(time_us_, sample.t_us)) {
+    const Status bridged = bridge_to(sample, filter);
+    if (!ok(bridged)) return bridged;
+    health.odometry_timeouts += gap ? 1 : 0;
+  } else if (gap) {
     static_cast<void>(integrate_to(sample.t_us, filter, health));
   } else if (!glitch) {
     // What was held beyond the last sample, and no image has corrected, moves as this sample says.
@@ -179,6 +193,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
   } else {
     steady_.add(sample.speed_mps, sample.turn,
                 has_motion_ ? seconds_since_sample(sample.t_us) : 0.0F);
+    note_interval(seconds_since_sample(sample.t_us));
     motion_ = sample;
     has_motion_ = true;
     by_images_ = false;
@@ -199,6 +214,26 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
   return gap ? Status::kTimeGap : Status::kOk;
 }
 
+/// Over a time in which samples are missing, which the pose has not been moved through: as the
+/// samples before and after say together.
+template <class Filter>
+Status OdometryIntegrator::bridge_to(const OdometrySample& sample, Filter& filter) {
+  constexpr float kNoiseOfTwo = 0.71F;
+  const float step_s = static_cast<float>(sample.t_us - time_us_) * 1e-6F;
+  const OdometrySample first = steady_motion();
+  OdometrySample mean = sample;
+  mean.speed_mps = 0.5F * (first.speed_mps + sample.speed_mps);
+  mean.turn = 0.5F * (first.turn + sample.turn);
+  const PlanarIncrement<float> increment = increment_of(mean, step_s, kNoiseOfTwo);
+  const Status moved = filter.predict(increment);
+  if (!ok(moved)) return moved;
+  const Drift drift = drift_between_samples(first, sample, step_s);
+  time_us_ = sample.t_us;
+  yaw_variance_ += increment.covariance(1, 1) + drift.heading;
+  fade_slip(step_s);
+  return filter.widen_pose(drift.position, drift.heading);
+}
+
 template <class Filter>
 Status OdometryIntegrator::restart_clock(std::int64_t t_us, Filter& filter) {
   const Drift drift = drift_between(0.0F, static_cast<float>(max_step_us_) * 1e-6F);
@@ -211,7 +246,8 @@ template <class Filter>
 Status OdometryIntegrator::integrate_to(std::int64_t t_us, Filter& filter, Health& health) {
   begin_at(t_us);
   if (t_us <= time_us_) return Status::kOk;
-  const float max_s = static_cast<float>(max_step_us_) * 1e-6F;
+  if (samples_missing(motion_.t_us, t_us)) hold_steadily();
+  const float max_s = max_step_s();
   const float from_s = seconds_since_known(time_us_);
   const float to_s = seconds_since_known(t_us);
   const float held_s = (to_s < max_s ? to_s : max_s) - from_s;

@@ -82,14 +82,18 @@ class VehicleEstimate {
   int projection_work() const {
     return work::kProjection + (filter_.tilts() ? work::kTiltedProjection : 0);
   }
+  /// Prepares the filter for an update at a pose that may have become unsure; the units of work
+  /// that it took.
+  int recentre() { return filter_.recentre() ? work::recentring(state_count()) : 0; }
   /// Least number of inliers that the filter's parameters ask for.
   int min_inliers() const { return ransac_.min_inliers; }
 
   /// Updates the filter with the matches that the frame can pay for; the last ones, which are the
   /// least informative, are left out first. Sets `inlier` of the others. `min_inliers`: inliers
-  /// that RANSAC must find. Errors, in the result: as Filter::update_pixels(); no match is then an
-  /// inlier.
-  PixelUpdate update(FrameContext& frame, Matches& matches, int min_inliers);
+  /// that RANSAC must find; `max_chance`: OnePointRansacParameters. Errors, in the result: as
+  /// Filter::update_pixels(); no match is then an inlier.
+  PixelUpdate update(FrameContext& frame, Matches& matches, int min_inliers,
+                     float max_chance = 1.0F);
 
   /// Takes the patch of a landmark that has none, seen at `pixel`. False where it has one, or the
   /// frame cannot pay for it. Near the image border it stays without, until it is seen elsewhere.
@@ -171,11 +175,12 @@ int VehicleEstimate<Filter>::update_work(int matches) const {
 }
 
 template <class Filter>
-PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matches,
-                                            int min_inliers) {
+PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matches, int min_inliers,
+                                            float max_chance) {
   PixelUpdate result;
   OnePointRansacParameters ransac = ransac_;
   ransac.min_inliers = min_inliers;
+  ransac.max_chance = max_chance;
   filter_.set_ransac(ransac);
   const int used =
       affordable_matches(matches.size(), frame.work, [&](int n) { return update_work(n); });

@@ -83,9 +83,10 @@ class VehicleMapReuse {
   /// library_slots_per_frame projections.
   void reactivate(Frame& frame, Estimate& estimate, const Library& library);
 
-  /// One step of the relocalisation. `monitor` says how many matches confirm a place.
+  /// One step of the relocalisation. `monitor` says how many matches confirm a place; `unsure`: the
+  /// pose does not say which landmarks of the library are in view.
   PlaceVerification relocalise(Frame& frame, Estimate& estimate, LocalMap& local_map,
-                               const TrackingMonitor& monitor, const Library& library);
+                               const TrackingMonitor& monitor, const Library& library, bool unsure);
 
  private:
   static constexpr int kMaxVisible = ExpectedScratch<kMaxLandmarks>::kMaxVisible;
@@ -146,7 +147,7 @@ template <class Config, class Filter>
 PlaceVerification VehicleMapReuse<Config, Filter>::relocalise(Frame& frame, Estimate& estimate,
                                                               LocalMap& local_map,
                                                               const TrackingMonitor& monitor,
-                                                              const Library& library) {
+                                                              const Library& library, bool unsure) {
   using Outcome = typename Relocalisation::Outcome;
   PlaceVerification result;
   WorkBudget& budget = frame.work.budget();
@@ -174,7 +175,8 @@ PlaceVerification VehicleMapReuse<Config, Filter>::relocalise(Frame& frame, Esti
     refuse(frame);
   }
   // Where the library should be seen and is not, the camera is covered: no map begins there.
-  if (outcome == Outcome::kUnrecognised && !in_known_place(frame, estimate, library)) {
+  const bool nowhere = unsure || !in_known_place(frame, estimate, library);
+  if (outcome == Outcome::kUnrecognised && nowhere) {
     relocalisation_.note_unknown();
   }
   return result;

@@ -48,7 +48,11 @@ inline constexpr int fast(int width, int height, int candidates) {
   return counted < fast(width, height) ? counted : fast(width, height);
 }
 
-inline constexpr int kFrame = 150;   ///< prediction, lists, reports
+inline constexpr int kFrame = 150;  ///< prediction, lists, reports
+/// PlanarSlam::recentre() where it moves the centre.
+inline constexpr int recentring(int states) {
+  return 2 + states * states / 90;
+}
 inline constexpr int kRemoval = 60;  ///< of a landmark, with its archiving
 inline constexpr int kLandmarkInitialisation =
     90;  ///< a seed or a library landmark becomes a landmark

@@ -109,6 +109,17 @@ Status PlanarSlam<ErrorModel>::widen_pose(T position_variance, T heading_varianc
 }
 
 template <class ErrorModel>
+bool PlanarSlam<ErrorModel>::recentre() {
+  if constexpr (ErrorModel::kTurnsAboutAnchor) {
+    if (!initialised_ || !model_.bends()) return false;
+    model_.move_anchor();
+    return true;
+  } else {
+    return false;
+  }
+}
+
+template <class ErrorModel>
 Status PlanarSlam<ErrorModel>::predict_range_bearing(int slot, T sensor_offset_m, T sigma_range,
                                                      T sigma_bearing,
                                                      RangeBearingPrediction<T>& prediction) const {

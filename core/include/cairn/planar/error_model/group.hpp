@@ -33,6 +33,7 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   static constexpr int kPositionState = 1;
   static constexpr int kHeadingState = 0;
   static constexpr bool kDefersNoise = true;
+  static constexpr bool kTurnsAboutAnchor = true;
 
   void start(const PlanarPose<T>& pose, const Matrix3<T>& covariance);
 
@@ -56,6 +57,17 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
 
   void propagate(const PlanarIncrement<T>& increment);
   void widen_pose(T position_variance, T heading_variance);
+  /// Whether the heading is so unsure that the vehicle's place, turned about the anchor by an error
+  /// of it, lies 5 cm beside the line that the linear error allows.
+  bool bends() const {
+    constexpr T kMost_m = T(0.1);
+    constexpr T kNear_m = T(1);
+    const T squared = square(x_[0]) + square(x_[1]);
+    return squared > square(kNear_m) && square(heading_variance()) * squared > square(kMost_m);
+  }
+  /// Moves the anchor to the vehicle, about which an error of the heading turns it from now on: xi
+  /// becomes xi + J x^ e, exactly what a far anchor takes away. Cost: n (n + 1) multiply-adds.
+  void move_anchor();
   detail::DeferredNoise<T> deferred_noise();
   void deferred_noise_absorbed() {
     W_.setZero();
@@ -223,6 +235,34 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::widen_pose(T pos
   W_(1, 1) += position_variance;
   W_(2, 2) += position_variance;
   deferred_ = true;
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::move_anchor() {
+  const T by_heading[2] = {-x_[1], x_[0]};
+  const int n = P_.size();
+  T c[Map::kStates] = {};
+  for (int i = 0; i < 2; ++i) c[kPositionState + i] = by_heading[i];
+  for (int slot = 0; slot < this->landmark_count(); ++slot) {
+    for (int i = 0; i < 2; ++i) {
+      c[Map::state_of(slot) + i] = by_heading[i];
+      p_[slot][i] -= x_[i];
+    }
+  }
+  // P += c r^T + r c^T with r = P e_0 + P_00 c / 2.
+  for (int i = 0; i < n; ++i) along_[i] = P_(i, 0) + T(0.5) * P_(0, 0) * c[i];
+  P_.downdate(c, along_, T(0), T(-1), T(0));
+  Matrix3<T> turn = Matrix3<T>::Identity();
+  turn(1, 0) = by_heading[0];
+  turn(2, 0) = by_heading[1];
+  for (Matrix3<T>* shared : {&W_, &G_}) {
+    const Matrix3<T> turned = turn * *shared * turn.transpose();
+    *shared = T(0.5) * (turned + turned.transpose());
+  }
+  for (int i = 0; i < 2; ++i) {
+    this->anchor_[i] += x_[i];
+    x_[i] = T(0);
+  }
 }
 
 /// W = b b^T + [0, 0; 0, rest] with b = W e_0 / sqrt(W_00); the result holds B b and rest.

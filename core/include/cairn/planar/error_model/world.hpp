@@ -25,6 +25,7 @@ class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   static constexpr int kPositionState = 0;
   static constexpr int kHeadingState = 2;
   static constexpr bool kDefersNoise = false;
+  static constexpr bool kTurnsAboutAnchor = false;
 
   void start(const PlanarPose<T>& pose, const Matrix3<T>& covariance) {
     this->start_at(pose, false);

@@ -32,6 +32,7 @@ class LiftedErrorModel {
   /// Its state holds relative vectors alone: nothing known in the world can be added.
   static constexpr bool kHasWorldLandmarks = false;
   static constexpr bool kDefersNoise = false;
+  static constexpr bool kTurnsAboutAnchor = false;
   using Covariance = PackedSymmetric<T, kStates>;
   using LandmarkVector = Vector<T, LandmarkDim>;
   using LandmarkMatrix = Matrix<T, LandmarkDim, LandmarkDim>;

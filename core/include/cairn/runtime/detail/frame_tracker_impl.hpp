@@ -30,6 +30,7 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   random_ = Random(parameters.seed);
   health_ = Health{};
   thin_map_ = false;
+  unseen_yaw_ = 0.0F;
   return Status::kOk;
 }
 
@@ -77,6 +78,8 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
     status = keep_map(frame, status);
     check_mount(frame);
     health_.ground_suspicions += ground().suspect() ? 1 : 0;
+    const bool seen = monitor_.holds(measurement_.counts());
+    unseen_yaw_ = seen ? 0.0F : unseen_yaw_ + odometry_.yaw_variance();
     odometry_.forget_yaw();
     status = monitor_.judge(measurement_.counts(), status, health_);
   }
@@ -89,7 +92,8 @@ template <class Config, class Filter>
 void FrameTracker<Config, Filter>::begin(const ImageView& image) {
   local_map_.begin_frame(image, frame_step_s_);
   measurement_.begin();
-  work_.begin(work::kFrame + work::repeated_image(image.width, image.height) +
+  const int recentring = estimate_.recentre();
+  work_.begin(work::kFrame + recentring + work::repeated_image(image.width, image.height) +
               estimate_.projection_work() * estimate_.size());
   map_reuse_.begin_frame(thin_map_ ? 0 : monitor_.weak_frames());
 }
@@ -152,7 +156,8 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   if (!matches.empty() && monitor_.enough_matches(measurement_.counts(), thin)) {
     const int inlier_count = monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
     const PlanarPose<float> predicted = filter().mean_pose();
-    const PixelUpdate update = estimate_.update(frame, matches, inlier_count);
+    const PixelUpdate update =
+        estimate_.update(frame, matches, inlier_count, most_chance(matches.size()));
     measurement_.note_update(update);
     if (monitor_.holds(measurement_.counts())) note_correction(predicted);
     frame.report.update = update.report;
@@ -160,6 +165,16 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   }
   note_matches(frame, matches);
   return status;
+}
+
+/// Where the pose is unsure false matches may agree, unless nearly all that is expected in view is
+/// found: the largest chance of it.
+template <class Config, class Filter>
+float FrameTracker<Config, Filter>::most_chance(int matches) const {
+  constexpr float kMostChance = 1e-6F;  // times the hypotheses, and the frames that are unsure
+  constexpr int kFewest = 8;
+  const bool nearly_all = matches >= kFewest && 5 * matches >= 4 * measurement_.counts().searched;
+  return unsure() && !nearly_all ? kMostChance : 1.0F;
 }
 
 /// Tells odometry how far the image moved the pose along its heading. Where the pose was not known
@@ -188,7 +203,7 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
       monitor_.holds(measurement_.counts()) || state() == TrackingState::kInitialising;
   const bool usable = map_reuse_.usable(library);
   // A frame whose image is captured searches nothing, and says nothing about the map.
-  thin_map_ = !known && state() != TrackingState::kLost && !map_reuse_.takes_image() &&
+  thin_map_ = !known && !unsure() && state() != TrackingState::kLost && !map_reuse_.takes_image() &&
               measurement_.counts().could_search &&
               local_map_.is_thin(measurement_.counts().searched);
   if (known || thin_map_) local_map_.remove_unreliable(frame, estimate_, map_reuse_.archive());
@@ -200,11 +215,34 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   }
   const bool anew = !usable || map_reuse_.place_unknown();
   if (anew && !known) monitor_.forget_mean();
+  const bool given_up = map_reuse_.place_unknown() || state() == TrackingState::kLost;
+  if (anew && given_up && !known && unsure()) begin_anew(frame);
   const bool growing = known || thin_map_ || monitor_.holds(measurement_.counts()) || anew;
   local_map_.follow(frame, estimate_, motion(), growing);
   if (known && usable) map_reuse_.reactivate(frame, estimate_, *library);
   if (library != nullptr) frame.map.exchange.release();
   return status;
+}
+
+/// Since the pose was last seen the heading became so unsure that landmarks are not where they are
+/// expected: few of them in view say nothing, and matches in windows of that size are mostly
+/// chance.
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::unsure() const {
+  constexpr float kMostYaw_rad = 0.12F;
+  return monitor_.state() != TrackingState::kInitialising &&
+         unseen_yaw_ + odometry_.yaw_variance() > square(kMostYaw_rad);
+}
+
+/// From odometry's pose, as unsure as it is. What was mapped before would be found in the new map's
+/// place by chance; the library keeps it.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::begin_anew(Frame& frame) {
+  if (!local_map_.remove_all(frame, estimate_)) return;
+  map_reuse_.end_relocalisation();
+  monitor_.restart();
+  unseen_yaw_ = 0.0F;
+  odometry_.forget_yaw();
 }
 
 /// All matches count, not the filter's inliers alone: it takes those that fit the assumed mount.
@@ -224,7 +262,7 @@ template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::relocalise(Frame& frame, const Library& library,
                                                 Status status) {
   const PlaceVerification place =
-      map_reuse_.relocalise(frame, estimate_, local_map_, monitor_, library);
+      map_reuse_.relocalise(frame, estimate_, local_map_, monitor_, library, unsure());
   if (!place.updated) return status;
   measurement_.replace(place.matches, place.update);
   if (place.matches > 0) frame.report.update = place.update.report;
