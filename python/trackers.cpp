@@ -80,6 +80,7 @@ py::dict dict_of(const cairn_health& h) {
   CAIRN_COUNTER(low_texture_frames);
   CAIRN_COUNTER(mount_suspicions);
   CAIRN_COUNTER(ground_suspicions);
+  CAIRN_COUNTER(yaw_suspicions);
 #undef CAIRN_COUNTER
   return out;
 }

@@ -27,6 +27,15 @@ inline const char* to_string(NotTracked reason) {
   return kNames[static_cast<int>(reason)];
 }
 
+/// What it means that odometry turns `ratio` times as much as the pictures; 0: not known how much.
+inline const char* meaning_of_yaw(double ratio) {
+  if (ratio < -0.3) return "it has the wrong sign";
+  if (ratio > 20.0 && ratio < 100.0) return "it is in degrees per second, not in radians";
+  if (ratio > 2.0) return "it is many times too large";
+  if (ratio > 0.0 && ratio < 0.3) return "it is many times too small";
+  return "check its sign and its unit, rad/s";
+}
+
 /// A row of paper A's Table 1: its key in files, its name there, and its time on the paper's
 /// desktop PC.
 struct StageRow {

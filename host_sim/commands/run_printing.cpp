@@ -37,6 +37,12 @@ void print_suspicion(const std::optional<GroundCheck>& ground) {
       ground->ratio());
 }
 
+void print_suspicion(const std::optional<YawCheck>& yaw) {
+  if (!yaw.has_value() || !yaw->suspect()) return;
+  fmt::print("odometry's yaw rate suspect: {}\n",
+             meaning_of_yaw(static_cast<double>(yaw->ratio())));
+}
+
 void print_summary(const nlohmann::json& summary) {
   const nlohmann::json& latency = summary["latency_ms"];
   fmt::print("\n{:<34}{:>9}{:>9}{:>9}{:>9}{:>12}{:>10}\n", "per frame, ms", "p50", "p95", "p99",

@@ -20,5 +20,7 @@ inline constexpr MountOffset::Part kMountParts[] = {MountOffset::kYaw, MountOffs
 void print_suspicions(const std::optional<MountOffset>& offset);
 /// A line where speed or camera height do not fit the ground.
 void print_suspicion(const std::optional<GroundCheck>& ground);
+/// A line where odometry turns otherwise than the pictures.
+void print_suspicion(const std::optional<YawCheck>& yaw);
 
 }  // namespace cairn::host

@@ -186,7 +186,9 @@ ExitCode check_mount(FrameSource& source, Frame& first, Tracker& tracker) {
   }
   print_suspicions(run.offset);
   print_suspicion(run.ground);
-  return run.offset.any_suspect() || run.ground->suspect() ? ExitCode::kCheckFailed : ExitCode::kOk;
+  print_suspicion(run.yaw);
+  const bool suspect = run.offset.any_suspect() || run.ground->suspect() || run.yaw->suspect();
+  return suspect ? ExitCode::kCheckFailed : ExitCode::kOk;
 }
 
 /// The source with pictures of the part and size asked for, and of one that the tracker holds.
@@ -290,6 +292,7 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   print_summary(summary);
   print_suspicions(record.mount);
   print_suspicion(record.ground);
+  print_suspicion(record.yaw);
   if (record.mount_suspect_frame && !record.mount->any_suspect()) {
     fmt::print("calibration was suspect in {} frames, and is not at the end\n",
                record.health.mount_suspicions);

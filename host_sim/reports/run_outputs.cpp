@@ -314,6 +314,15 @@ json focal_json(const RunRecord& record) {
           {"told_sigma", record.focal->told_sigma}};
 }
 
+/// How often the pictures' yaw goes into that of odometry; null in hand-held mode.
+json yaw_json(const RunRecord& record) {
+  if (!record.yaw.has_value()) return nullptr;
+  const float ratio = record.yaw->ratio();
+  return {{"ratio", ratio != 0.0F ? json(ratio) : json(nullptr)},
+          {"suspect", record.yaw->suspect()},
+          {"suspect_frames", record.health.yaw_suspicions}};
+}
+
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                const RegistrationResult& registration, double budget_ms, const SourceInfo& source) {
   int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
@@ -361,6 +370,7 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
       {"mount", mount_json(record)},
       {"ground", ground_json(record)},
       {"focal_scale", focal_json(record)},
+      {"odometry_yaw", yaw_json(record)},
       {"monitor", monitor_json(record)},
       {"pictures", pictures},
       {"video", record.overlay.empty() ? json(nullptr)
@@ -409,7 +419,8 @@ json to_json(const Health& h) {
           {"budget_exceeded", h.budget_exceeded},
           {"low_texture_frames", h.low_texture_frames},
           {"mount_suspicions", h.mount_suspicions},
-          {"ground_suspicions", h.ground_suspicions}};
+          {"ground_suspicions", h.ground_suspicions},
+          {"yaw_suspicions", h.yaw_suspicions}};
 }
 
 }  // namespace cairn::host

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/base/names.hpp"
+
 namespace cairn::host {
 namespace {
 
@@ -33,6 +35,7 @@ class Judge {
     judge_mount();
     judge_ground();
     judge_focal();
+    judge_yaw();
     judge_consistency();
     judge_errors();
     judge_budget();
@@ -145,6 +148,22 @@ class Judge {
     } else if (told > kGuessPercent) {
       say(Grade::kNote,
           "The motion does not show the focal length: it stays as guessed, +- {:.0f} %", sigma);
+    }
+  }
+
+  void judge_yaw() {
+    if (!summary_.contains("odometry_yaw") || summary_["odometry_yaw"].is_null()) return;
+    const json& yaw = summary_["odometry_yaw"];
+    const int frames = yaw["suspect_frames"].get<int>();
+    if (frames == 0) return;
+    const double ratio = yaw["ratio"].is_null() ? 0.0 : yaw["ratio"].get<double>();
+    if (yaw["suspect"].get<bool>()) {
+      say(Grade::kBad, "The odometry's yaw rate is not that of the pictures: {}",
+          meaning_of_yaw(ratio));
+    } else {
+      say(Grade::kNote,
+          "The odometry's yaw rate was not that of the pictures in {} frames, and is at the end",
+          frames);
     }
   }
 

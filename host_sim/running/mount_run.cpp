@@ -20,6 +20,7 @@ MountRun run_for_mount(FrameSource& source, Frame& first, Tracker& tracker) {
   } while (interrupted() == 0 && source.next(first));
   run.offset = tracker.mount_offset().value();
   run.ground = tracker.ground();
+  run.yaw = tracker.yaw();
   run.suspect_frames = tracker.health().mount_suspicions;
   return run;
 }

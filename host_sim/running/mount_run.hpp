@@ -16,6 +16,7 @@ namespace cairn::host {
 struct MountRun {
   MountOffset offset;
   std::optional<GroundCheck> ground;
+  std::optional<YawCheck> yaw;
   int frames = 0;
   int tracked = 0;
   std::uint32_t suspect_frames = 0;  ///< frames in which a part was suspect, now or for a time

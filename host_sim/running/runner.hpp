@@ -53,6 +53,7 @@ struct RunRecord {
   std::optional<MountOffset> mount;
   std::optional<GroundCheck> ground;
   std::optional<FocalScale> focal;
+  std::optional<YawCheck> yaw;
   std::optional<int> mount_suspect_frame;  ///< index in `frames` of the first with a suspicion
   std::vector<HealthRecord> events;        ///< the last ones, the newest first
   nlohmann::json tracker;

@@ -18,6 +18,7 @@
 #include "cairn/tracking/frame_report.hpp"
 #include "cairn/tracking/ground_check.hpp"
 #include "cairn/tracking/mount_evidence.hpp"
+#include "cairn/tracking/yaw_check.hpp"
 
 #include "host_sim/options/handheld_options.hpp"
 #include "host_sim/options/run_options.hpp"
@@ -74,6 +75,8 @@ class Tracker {
   virtual std::optional<FocalScale> focal_scale() const { return std::nullopt; }
   /// Whether speed and camera height fit the height of the ground. Vehicle mode alone.
   virtual std::optional<GroundCheck> ground() const { return std::nullopt; }
+  /// Whether odometry turns as the pictures do. Vehicle mode alone.
+  virtual std::optional<YawCheck> yaw() const { return std::nullopt; }
   /// Vehicle mode alone.
   virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }
   /// Covariance of the attitude, rad^2, camera axes; of a small turn after it. Handheld mode alone.

@@ -99,6 +99,7 @@ class VehicleAdapter : public Tracker {
   }
   std::optional<MountOffset> mount_offset() const override { return core_->mount_offset(); }
   std::optional<GroundCheck> ground() const override { return core_->ground(); }
+  std::optional<YawCheck> yaw() const override { return core_->yaw(); }
   const Augmenter* objects() const override { return &objects_.augmenter(); }
 
   nlohmann::json description() const override {

@@ -69,6 +69,19 @@ TEST(Verdict, SaysWhenTheFocalLengthIsNotAsTold) {
   EXPECT_EQ(text_with(1.01, 0.01, 0.1).find("focal"), std::string::npos);
 }
 
+TEST(Verdict, SaysWhatIsWrongWithTheOdometrysYawRate) {
+  json summary = good_summary();
+  summary["odometry_yaw"] = {{"ratio", 0.97}, {"suspect", false}, {"suspect_frames", 0}};
+  EXPECT_EQ(text_of(judge(summary, 640)).find("yaw rate"), std::string::npos);
+  summary["odometry_yaw"] = {{"ratio", -0.98}, {"suspect", true}, {"suspect_frames", 90}};
+  EXPECT_TRUE(says(text_of(judge(summary, 640)),
+                   {"bad The odometry's yaw rate is not that of the pictures", "wrong sign"}));
+  summary["odometry_yaw"]["ratio"] = 48.2;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"in degrees per second"}));
+  summary["odometry_yaw"] = {{"ratio", nullptr}, {"suspect", false}, {"suspect_frames", 12}};
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"note The odometry's yaw rate", "12 frames"}));
+}
+
 TEST(Verdict, NamesWhatIsBadFirst) {
   json summary = good_summary();
   summary["nees"]["mean"] = 9.4;

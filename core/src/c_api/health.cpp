@@ -40,3 +40,4 @@ CAIRN_SAME(budget_exceeded);
 CAIRN_SAME(low_texture_frames);
 CAIRN_SAME(mount_suspicions);
 CAIRN_SAME(ground_suspicions);
+CAIRN_SAME(yaw_suspicions);

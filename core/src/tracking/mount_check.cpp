@@ -12,7 +12,7 @@ constexpr int kFewestViews = 8;
 // No floor is flatter, no wheel truer: roll, pitch and yaw of one pair of frames.
 constexpr float kLeastMotionVariance = 1e-6F;
 
-Vector2<float> view_of(const PinholeCamera<float>& camera, const Vector2<float>& pixel) {
+Vector2<float> ray_of(const PinholeCamera<float>& camera, const Vector2<float>& pixel) {
   return camera.unproject(pixel).head<2>();
 }
 
@@ -44,13 +44,13 @@ void MountCheck::add(const PinholeCamera<float>& camera, const OdometryStep& ste
   since_s_ += step.step_s;
   const bool served = compare(camera, step, matches, count);
   if (served || reference_.size() < kFewestViews || since_s_ > kLongest_s) {
-    take_reference(camera, step, matches, count);
+    take_reference(step, matches, count);
   }
 }
 
 const MountCheck::View* MountCheck::find(LandmarkId id) const {
   for (const View& view : reference_) {
-    if (view.id == id) return &view;
+    if (view.id == static_cast<std::uint16_t>(id)) return &view;
   }
   return nullptr;
 }
@@ -66,7 +66,7 @@ bool MountCheck::compare(const PinholeCamera<float>& camera, const OdometryStep&
   for (int i = 0; i < count && !both.full(); ++i) {
     const View* first = find(matches[i].id);
     if (first == nullptr) continue;
-    const TwoViews views = {first->view, view_of(camera, matches[i].pixel)};
+    const TwoViews views = {ray_of(camera, first->pixel()), ray_of(camera, matches[i].pixel)};
     flow_px += evidence_.flow_px(views);
     static_cast<void>(both.push_back(views));
   }
@@ -86,11 +86,18 @@ bool MountCheck::compare(const PinholeCamera<float>& camera, const OdometryStep&
   return true;
 }
 
-void MountCheck::take_reference(const PinholeCamera<float>& camera, const OdometryStep& step,
-                                const PixelMatch<float>* matches, int count) {
+MountCheck::View MountCheck::view_of(const PixelMatch<float>& match) {
+  const auto packed = [](float pixel) {
+    return static_cast<std::uint16_t>(clamp(round_to_int(kPerPixel * pixel), 0, 65535));
+  };
+  return {static_cast<std::uint16_t>(match.id), packed(match.pixel.x()), packed(match.pixel.y())};
+}
+
+void MountCheck::take_reference(const OdometryStep& step, const PixelMatch<float>* matches,
+                                int count) {
   reference_.clear();
   for (int i = 0; i < count && !reference_.full(); ++i) {
-    static_cast<void>(reference_.push_back({matches[i].id, view_of(camera, matches[i].pixel)}));
+    static_cast<void>(reference_.push_back(view_of(matches[i])));
   }
   path_ = step.path;
   yaw_variance_ = tilt_variance_ = since_s_ = 0.0F;

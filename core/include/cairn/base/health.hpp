@@ -41,6 +41,7 @@ struct Health {
   std::uint32_t low_texture_frames = 0;
   std::uint32_t mount_suspicions = 0;   ///< frames in which mount or focal length seemed wrong
   std::uint32_t ground_suspicions = 0;  ///< frames in which speed or camera height seemed wrong
+  std::uint32_t yaw_suspicions = 0;     ///< frames in which odometry's yaw rate seemed wrong
 };
 
 /// A tracker's counters with those that its filter keeps.

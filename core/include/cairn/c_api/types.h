@@ -156,6 +156,7 @@ typedef struct cairn_health {
   uint32_t low_texture_frames;
   uint32_t mount_suspicions;  /**< frames in which mount or focal length seemed wrong */
   uint32_t ground_suspicions; /**< frames in which speed or camera height seemed wrong */
+  uint32_t yaw_suspicions;    /**< frames in which odometry's yaw rate seemed wrong */
 } cairn_health;
 
 /** Takes the next `size` bytes of a map; false when it cannot. */

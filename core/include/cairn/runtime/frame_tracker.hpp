@@ -12,6 +12,7 @@
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/systematic_error.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
+#include "cairn/tracking/yaw_check.hpp"
 
 namespace cairn {
 
@@ -164,6 +165,8 @@ class FrameTracker {
   const MountOffset& mount_offset() const { return mount_check_.offset(); }
   /// Whether speed and camera height fit the height of the ground in the pictures.
   const GroundCheck& ground() const { return estimate_.ground(); }
+  /// Whether odometry turns as the pictures do.
+  const YawCheck& yaw() const { return yaw_check_; }
   void hash(Hash64& hash) const;
 
  private:
@@ -181,6 +184,7 @@ class FrameTracker {
   void note_matches(Frame& frame, const typename Measurement::Matches& matches);
   void note_inlier(Frame& frame, const PixelMatch<float>& match);
   void check_mount(Frame& frame);
+  void check_yaw(const ImageView& image);
   void report(Status status, FrameReport& report);
   NotTracked why_not_tracked(Status status) const;
   bool doubted() const;
@@ -203,13 +207,14 @@ class FrameTracker {
   InputClock clock_;
   RepeatedImage repeated_;
   MountCheck mount_check_;
+  YawCheck yaw_check_;
   FrameWork work_;
   Random random_;
   Health health_;
   VehicleScratch<Config> scratch_;
   float frame_step_s_ = 0.0F;
   float unseen_yaw_ = 0.0F;  ///< variance of odometry's yaw since the pose was seen, rad^2
-  bool thin_map_ = false;  ///< the last frame was weak for want of landmarks in view
+  bool thin_map_ = false;    ///< the last frame was weak for want of landmarks in view
 };
 
 }  // namespace cairn

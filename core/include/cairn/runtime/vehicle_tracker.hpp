@@ -75,6 +75,8 @@ class VehicleTracker {
   const MountOffset& mount_offset() const { return frames_.mount_offset(); }
   /// As FrameTracker::ground().
   const GroundCheck& ground() const { return frames_.ground(); }
+  /// As FrameTracker::yaw().
+  const YawCheck& yaw() const { return frames_.yaw(); }
   Health health() const { return frames_.health(); }
   /// Admissions, replacements and refusals of the library.
   const Health& library_health() const { return builder_.health(); }

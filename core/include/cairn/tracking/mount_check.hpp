@@ -39,18 +39,26 @@ class MountCheck {
   const MountOffset& offset() const { return evidence_.offset(); }
 
  private:
+  /// Where a landmark was seen, in 1/32 px, with the low half of its id, which tells those apart
+  /// that are tracked at a time.
   struct View {
-    LandmarkId id = kNoLandmark;
-    Vector2<float> view = Vector2<float>::Zero();  ///< x/z, y/z
+    std::uint16_t id = 0;
+    std::uint16_t x = 0;
+    std::uint16_t y = 0;
+
+    Vector2<float> pixel() const {
+      return Vector2<float>(static_cast<float>(x), static_cast<float>(y)) * (1.0F / kPerPixel);
+    }
   };
+  static constexpr float kPerPixel = 32.0F;
   using Views = FixedVector<View, kMostViews>;
 
+  static View view_of(const PixelMatch<float>& match);
   const View* find(LandmarkId id) const;
   /// Evaluates the matches against the reference: whether it has served.
   bool compare(const PinholeCamera<float>& camera, const OdometryStep& step,
                const PixelMatch<float>* matches, int count);
-  void take_reference(const PinholeCamera<float>& camera, const OdometryStep& step,
-                      const PixelMatch<float>* matches, int count);
+  void take_reference(const OdometryStep& step, const PixelMatch<float>* matches, int count);
 
   MountEvidence evidence_;
   Vector3<float> camera_m_ = Vector3<float>::Zero();

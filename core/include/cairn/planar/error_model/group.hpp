@@ -252,12 +252,17 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::move_anchor() {
   // P += c r^T + r c^T with r = P e_0 + P_00 c / 2.
   for (int i = 0; i < n; ++i) along_[i] = P_(i, 0) + T(0.5) * P_(0, 0) * c[i];
   P_.downdate(c, along_, T(0), T(-1), T(0));
-  Matrix3<T> turn = Matrix3<T>::Identity();
-  turn(1, 0) = by_heading[0];
-  turn(2, 0) = by_heading[1];
+  // The same for what all states share, and what waits.
   for (Matrix3<T>* shared : {&W_, &G_}) {
-    const Matrix3<T> turned = turn * *shared * turn.transpose();
-    *shared = T(0.5) * (turned + turned.transpose());
+    Matrix3<T>& m = *shared;
+    T r[3];
+    for (int i = 0; i < 3; ++i) r[i] = m(i, 0) + T(0.5) * m(0, 0) * c[i];
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        m(i, j) += c[i] * r[j] + r[i] * c[j];
+        m(j, i) = m(i, j);
+      }
+    }
   }
   for (int i = 0; i < 2; ++i) {
     this->anchor_[i] += x_[i];

@@ -26,6 +26,7 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   clock_.reset(parameters.max_step_us);
   repeated_.reset();
   mount_check_.reset(camera, T_vehicle_camera, parameters.sigma_px);
+  yaw_check_.reset(camera, T_vehicle_camera);
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
   health_ = Health{};
@@ -77,6 +78,7 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
     status = update(frame, status);
     status = keep_map(frame, status);
     check_mount(frame);
+    check_yaw(image);
     health_.ground_suspicions += ground().suspect() ? 1 : 0;
     const bool seen = monitor_.holds(measurement_.counts());
     unseen_yaw_ = seen ? 0.0F : unseen_yaw_ + odometry_.yaw_variance();
@@ -93,7 +95,8 @@ void FrameTracker<Config, Filter>::begin(const ImageView& image) {
   local_map_.begin_frame(image, frame_step_s_);
   measurement_.begin();
   const int recentring = estimate_.recentre();
-  work_.begin(work::kFrame + recentring + work::repeated_image(image.width, image.height) +
+  work_.begin(work::kFrame + work::kYawCheck + recentring +
+              work::repeated_image(image.width, image.height) +
               estimate_.projection_work() * estimate_.size());
   map_reuse_.begin_frame(thin_map_ ? 0 : monitor_.weak_frames());
 }
@@ -259,6 +262,17 @@ void FrameTracker<Config, Filter>::check_mount(Frame& frame) {
 }
 
 template <class Config, class Filter>
+void FrameTracker<Config, Filter>::check_yaw(const ImageView& image) {
+  if (odometry_.known()) {
+    yaw_check_.add(image, {odometry_.path().heading, odometry_.yaw_variance(),
+                           odometry_.speed_mps(), frame_step_s_});
+  } else {
+    yaw_check_.skip();
+  }
+  health_.yaw_suspicions += yaw_check_.suspect() ? 1 : 0;
+}
+
+template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::relocalise(Frame& frame, const Library& library,
                                                 Status status) {
   const PlaceVerification place =
@@ -342,13 +356,13 @@ TrackingState FrameTracker<Config, Filter>::state() const {
   return state == TrackingState::kTracking && doubted() ? TrackingState::kUncertain : state;
 }
 
-/// The pictures contradict the odometry, the mount or the camera's height, odometry is silent and
-/// so the scale is not measured, or the body tilts by more than its suspension allows.
+/// The pictures contradict the odometry, its turns, the mount or the camera's height, it is silent
+/// and so the scale is not measured, or the body tilts by more than its suspension allows.
 template <class Config, class Filter>
 bool FrameTracker<Config, Filter>::doubted() const {
   constexpr float kTiltInSigmas = 5.0F;
   if (odometry_.contradicted() || !odometry_.known()) return true;
-  if (mount_offset().any_suspect() || ground().suspect()) return true;
+  if (mount_offset().any_suspect() || ground().suspect() || yaw().suspect()) return true;
   if (!filter().tilts()) return false;
   const VehicleTilt<float> tilt = filter().tilt();
   const TiltParameters<float>& usual = filter().parameters().tilt;
