@@ -219,4 +219,5 @@ class FrameTracker {
 
 }  // namespace cairn
 
+#include "cairn/runtime/detail/frame_tracker_doubt.hpp"
 #include "cairn/runtime/detail/frame_tracker_impl.hpp"

@@ -69,9 +69,6 @@ class VehicleLocalMap {
     return seeds_.size() > 0 ? NotTracked::kNoDepth : NotTracked::kNoCorners;
   }
 
-  /// Removes all seeds and landmarks, as far as the frame can pay for it; whether all are gone.
-  bool remove_all(Frame& frame, Estimate& estimate);
-
   /// Removes landmarks that are rarely found where they are searched, and makes room for new ones.
   /// Those of the library are passed to archive.report_not_found(frame, id).
   template <class Archive>
@@ -151,18 +148,6 @@ void VehicleLocalMap<Config, Filter>::make_room(Frame& frame, Estimate& estimate
     }
     estimate.remove(frame, longest);
   }
-}
-
-template <class Config, class Filter>
-bool VehicleLocalMap<Config, Filter>::remove_all(Frame& frame, Estimate& estimate) {
-  seeds_.clear();
-  end_keyframes(frame, estimate, false);
-  for (int slot = estimate.size() - 1; slot >= 0; --slot) {
-    if (estimate.landmarks().find(estimate.id(slot)) == nullptr) continue;
-    if (!frame.work.take(work::kRemoval)) return false;
-    estimate.remove(frame, slot);
-  }
-  return true;
 }
 
 template <class Config, class Filter>

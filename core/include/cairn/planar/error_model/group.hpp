@@ -237,39 +237,6 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::widen_pose(T pos
   deferred_ = true;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::move_anchor() {
-  const T by_heading[2] = {-x_[1], x_[0]};
-  const int n = P_.size();
-  T c[Map::kStates] = {};
-  for (int i = 0; i < 2; ++i) c[kPositionState + i] = by_heading[i];
-  for (int slot = 0; slot < this->landmark_count(); ++slot) {
-    for (int i = 0; i < 2; ++i) {
-      c[Map::state_of(slot) + i] = by_heading[i];
-      p_[slot][i] -= x_[i];
-    }
-  }
-  // P += c r^T + r c^T with r = P e_0 + P_00 c / 2.
-  for (int i = 0; i < n; ++i) along_[i] = P_(i, 0) + T(0.5) * P_(0, 0) * c[i];
-  P_.downdate(c, along_, T(0), T(-1), T(0));
-  // The same for what all states share, and what waits.
-  for (Matrix3<T>* shared : {&W_, &G_}) {
-    Matrix3<T>& m = *shared;
-    T r[3];
-    for (int i = 0; i < 3; ++i) r[i] = m(i, 0) + T(0.5) * m(0, 0) * c[i];
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        m(i, j) += c[i] * r[j] + r[i] * c[j];
-        m(j, i) = m(i, j);
-      }
-    }
-  }
-  for (int i = 0; i < 2; ++i) {
-    this->anchor_[i] += x_[i];
-    x_[i] = T(0);
-  }
-}
-
 /// W = b b^T + [0, 0; 0, rest] with b = W e_0 / sqrt(W_00); the result holds B b and rest.
 template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
 detail::DeferredNoise<T>
@@ -365,4 +332,5 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_columns
 
 }  // namespace cairn
 
+#include "cairn/planar/error_model/group_anchor.hpp"
 #include "cairn/planar/error_model/group_read_out.hpp"

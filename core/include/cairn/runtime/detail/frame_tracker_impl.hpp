@@ -170,16 +170,6 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   return status;
 }
 
-/// Where the pose is unsure false matches may agree, unless nearly all that is expected in view is
-/// found: the largest chance of it.
-template <class Config, class Filter>
-float FrameTracker<Config, Filter>::most_chance(int matches) const {
-  constexpr float kMostChance = 1e-6F;  // times the hypotheses, and the frames that are unsure
-  constexpr int kFewest = 8;
-  const bool nearly_all = matches >= kFewest && 5 * matches >= 4 * measurement_.counts().searched;
-  return unsure() && !nearly_all ? kMostChance : 1.0F;
-}
-
 /// Tells odometry how far the image moved the pose along its heading. Where the pose was not known
 /// before, that says nothing about the wheels.
 template <class Config, class Filter>
@@ -227,27 +217,6 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   return status;
 }
 
-/// Since the pose was last seen the heading became so unsure that landmarks are not where they are
-/// expected: few of them in view say nothing, and matches in windows of that size are mostly
-/// chance.
-template <class Config, class Filter>
-bool FrameTracker<Config, Filter>::unsure() const {
-  constexpr float kMostYaw_rad = 0.12F;
-  return monitor_.state() != TrackingState::kInitialising &&
-         unseen_yaw_ + odometry_.yaw_variance() > square(kMostYaw_rad);
-}
-
-/// From odometry's pose, as unsure as it is. What was mapped before would be found in the new map's
-/// place by chance; the library keeps it.
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::begin_anew(Frame& frame) {
-  if (!local_map_.remove_all(frame, estimate_)) return;
-  map_reuse_.end_relocalisation();
-  monitor_.restart();
-  unseen_yaw_ = 0.0F;
-  odometry_.forget_yaw();
-}
-
 /// All matches count, not the filter's inliers alone: it takes those that fit the assumed mount.
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::check_mount(Frame& frame) {
@@ -259,17 +228,6 @@ void FrameTracker<Config, Filter>::check_mount(Frame& frame) {
   const bool paid = frame.work.take(work::kMountCheck);
   mount_check_.add(camera(), step, matches.data(), paid ? matches.size() : 0);
   frame.health.mount_suspicions += mount_offset().any_suspect() ? 1 : 0;
-}
-
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::check_yaw(const ImageView& image) {
-  if (odometry_.known()) {
-    yaw_check_.add(image, {odometry_.path().heading, odometry_.yaw_variance(),
-                           odometry_.speed_mps(), frame_step_s_});
-  } else {
-    yaw_check_.skip();
-  }
-  health_.yaw_suspicions += yaw_check_.suspect() ? 1 : 0;
 }
 
 template <class Config, class Filter>
@@ -347,27 +305,6 @@ NotTracked FrameTracker<Config, Filter>::why_not_tracked(Status status) const {
   const bool found =
       counts.matches >= monitor_.parameters().min_inliers && monitor_.enough_matches(counts);
   return found ? NotTracked::kNoConsensus : NotTracked::kNotFound;
-}
-
-/// Where inputs are in doubt the landmarks' agreement does not make the pose known.
-template <class Config, class Filter>
-TrackingState FrameTracker<Config, Filter>::state() const {
-  const TrackingState state = monitor_.state();
-  return state == TrackingState::kTracking && doubted() ? TrackingState::kUncertain : state;
-}
-
-/// The pictures contradict the odometry, its turns, the mount or the camera's height, it is silent
-/// and so the scale is not measured, or the body tilts by more than its suspension allows.
-template <class Config, class Filter>
-bool FrameTracker<Config, Filter>::doubted() const {
-  constexpr float kTiltInSigmas = 5.0F;
-  if (odometry_.contradicted() || !odometry_.known()) return true;
-  if (mount_offset().any_suspect() || ground().suspect() || yaw().suspect()) return true;
-  if (!filter().tilts()) return false;
-  const VehicleTilt<float> tilt = filter().tilt();
-  const TiltParameters<float>& usual = filter().parameters().tilt;
-  return abs(tilt.pitch) > kTiltInSigmas * usual.sigma_pitch_rad ||
-         abs(tilt.roll) > kTiltInSigmas * usual.sigma_roll_rad;
 }
 
 template <class Config, class Filter>
