@@ -18,10 +18,7 @@ bool WindowTracker<Config>::depths_hold() const {
 /// While astray the memory takes points of some frames, which then search fewer features.
 template <class Config>
 bool WindowTracker<Config>::takes_points(const FrameContext& frame) const {
-  const int wanted = memory_.wants_points()       ? memory_.capture_work(frame.image)
-                     : memory_.wants_to_try()     ? memory_.trial_work()
-                     : memory_.wants_to_confirm() ? memory_.confirm_work()
-                                                  : 0;
+  const int wanted = memory_.wanted_work(frame.image);
   if (!astray_ || wanted == 0) return false;
   const int searches =
       parameters_.astray_features * (work::template_search(parameters_.features.wide_radius_px) +
