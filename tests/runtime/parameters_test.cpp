@@ -6,6 +6,7 @@
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/runtime/handheld_tracker.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
+#include "cairn/runtime/window_tracker.hpp"
 
 #include "plane_scene.hpp"
 
@@ -124,6 +125,26 @@ TEST(ParametersOfAHandheldTracker, ArePossible) {
   EXPECT_TRUE(refuses([](auto& p) { p.local_map.target_features = 0; }));
   EXPECT_TRUE(refuses([](auto& p) { p.max_step_us = 0; }));
   EXPECT_TRUE(refuses([](auto& p) { p.filter.sigma_px = 0.0F; }));
+}
+
+TEST(ParametersOfAWindow, ArePossible) {
+  using Tracker = WindowTracker<TinyConfig>;
+  auto tracker = std::make_unique<Tracker>();
+  const PinholeCamera<float> camera = test::to_float(test::small_camera());
+  ASSERT_TRUE(ok(tracker->initialise(camera, {})));
+  const std::uint64_t before = hash_of(*tracker);
+  const auto refuses = [&](auto change) {
+    Tracker::Parameters parameters;
+    change(parameters);
+    return tracker->initialise(camera, parameters) == Status::kBadConfig &&
+           hash_of(*tracker) == before;
+  };
+  EXPECT_TRUE(refuses([](auto& p) { p.lens_sigma = -1.0F; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.window.focal_sigma = kNaN; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.memory.seek_samples = 0; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.memory.same_share = kNaN; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.memory.seek_landmarks = 61; }));
+  EXPECT_TRUE(refuses([](auto& p) { p.rotation.inflation = kNaN; }));
 }
 
 }  // namespace

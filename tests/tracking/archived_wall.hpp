@@ -30,7 +30,7 @@ class ArchivedWall : public ::testing::Test {
   }
   /// The frame is that of a camera at a pose.
   void look_from(const Rigid<double>& T_map_camera) {
-    image_ = PlaneScene(kDepth, 0.28).render(small_camera(), T_map_camera);
+    image_ = PlaneScene(double{kDepth}, 0.28).render(small_camera(), T_map_camera);
     view_ = test::view(image_, small_camera());
     work_.begin(0);
     features_->begin(view_);

@@ -39,8 +39,8 @@ class PlaceSearch {
       const bool good = ok(Sightings::Parameters::validate()) && ok(recogniser.validate()) &&
                         view_proposals >= 0 && view_proposals <= Proposals::kMaxProposals &&
                         radius(seek_radius_px) && seek_landmarks >= 6 &&
-                        seek_landmarks <= Sightings::kMaxSought && seek_found >= 4 &&
-                        radius(wide_radius_px) && is_finite(evidence) &&
+                        seek_landmarks <= Sightings::kMaxSought && seek_samples >= 1 &&
+                        seek_found >= 4 && radius(wide_radius_px) && is_finite(evidence) &&
                         is_finite(least_evidence) && confirmations >= 1;
       return good ? Status::kOk : Status::kBadConfig;
     }

@@ -36,7 +36,8 @@ class WindowArchive {
 
     /// kBadConfig unless every value is finite and in its domain.
     Status validate() const {
-      const bool good = mature_sightings >= 1 && is_positive(max_depth_sigma);
+      const bool good = mature_sightings >= 1 && is_positive(max_depth_sigma) &&
+                        same_share >= 0.0F && same_share < 1.0F;
       return good ? Status::kOk : Status::kBadConfig;
     }
   };
