@@ -100,7 +100,7 @@ TEST_F(TurningVehicle, IsSuspectedOfTheOtherSign) {
   check_.reset(camera_, looking(Vector3<float>(1.0F, 0.0F, 0.0F)));
   drive(8.0F, -1.0F);
   EXPECT_TRUE(check_.suspect());
-  EXPECT_GT(first_s_, 2.0F);
+  EXPECT_GT(first_s_, 3.0F);
   EXPECT_LT(first_s_, 4.0F) << "a second after it began to turn";
   EXPECT_NEAR(check_.ratio(), -1.0F, 0.2F);
 }
@@ -133,6 +133,23 @@ TEST_F(TurningVehicle, SaysNothingOfAPictureWithoutTexture) {
   for (float& column : panorama_) column = 120.0F;
   drive(8.0F, -1.0F);
   EXPECT_FALSE(check_.suspect());
+}
+
+/// A turn by a whole period looks like none.
+TEST_F(TurningVehicle, SaysNothingOfAPatternThatRepeats) {
+  check_.reset(camera_, looking(Vector3<float>(1.0F, 0.0F, 0.0F)));
+  for (int i = 0; i < kColumns; ++i) {
+    panorama_[static_cast<std::size_t>(i)] = i / 32 % 2 == 0 ? 60.0F : 180.0F;
+  }
+  drive(8.0F, 1.0F);
+  EXPECT_FALSE(check_.suspect());
+  EXPECT_EQ(check_.ratio(), 0.0F);
+}
+
+TEST_F(TurningVehicle, IsNotSuspectedOfWhatTheNoiseOfItsOdometryDoes) {
+  check_.reset(camera_, looking(Vector3<float>(1.0F, 0.0F, 0.0F)));
+  drive(60.0F, 1.0F, 4.0F);
+  EXPECT_LT(first_s_, 0.0F);
 }
 
 }  // namespace

@@ -63,16 +63,22 @@ int YawCheck::difference(const Profile& now, int shift) const {
 
 bool YawCheck::shift_from(const Profile& now, float& shift) const {
   constexpr int kApart = 3;
-  int differences[2 * kMostShift + 1];
+  constexpr int kShifts = 2 * kMostShift + 1;
+  int differences[kShifts];
   int best = 0;
-  for (int i = 0; i <= 2 * kMostShift; ++i) {
+  int sum = 0;
+  for (int i = 0; i < kShifts; ++i) {
     differences[i] = difference(now, i - kMostShift);
+    sum += differences[i];
     if (differences[i] < differences[best]) best = i;
   }
-  if (best == 0 || best == 2 * kMostShift) return false;
-  for (int i = 0; i <= 2 * kMostShift; ++i) {
+  if (best == 0 || best == kShifts - 1) return false;
+  for (int i = 0; i < kShifts; ++i) {
     const bool apart = i < best - kApart || i > best + kApart;
-    if (apart && 5 * differences[best] >= 3 * differences[i]) return false;
+    if (!apart) continue;
+    // A pattern that repeats fits again, but perhaps between two bins.
+    const bool fits_again = 2 * kShifts * differences[i] < sum;
+    if (5 * differences[best] >= 3 * differences[i] || fits_again) return false;
   }
   const int left = differences[best - 1];
   const int right = differences[best + 1];
