@@ -31,12 +31,13 @@ class PlaneScene {
       for (int u = 0; u < camera.width; ++u) {
         double sum = 0.0;
         for (int k = 0; k < kSamples * kSamples; ++k) {
+          const int row = k / kSamples;
           const double du = (k % kSamples + 0.5) / kSamples - 0.5;
-          const double dv = (k / kSamples + 0.5) / kSamples - 0.5;
+          const double dv = (row + 0.5) / kSamples - 0.5;
           sum += sample(camera, T_world_camera, u + du, v + dv);
         }
         image[static_cast<std::size_t>(v * camera.width + u)] =
-            static_cast<std::uint8_t>(sum / (kSamples * kSamples) + 0.5);
+            static_cast<std::uint8_t>(std::lround(sum / (kSamples * kSamples)));
       }
     }
     return image;

@@ -52,9 +52,10 @@ class ArchivedWall : public ::testing::Test {
   /// The archive gets 7 x 5 landmarks, spread over the image.
   void archive_grid() {
     for (int i = 0; i < 35; ++i) {
-      const auto column = static_cast<float>(i % 7);
-      const auto row = static_cast<float>(i / 7);
-      const Vector2<float> pixel(50.0F + 36.0F * column, 40.0F + 40.0F * row);
+      const int column = i % 7;
+      const int row = i / 7;
+      const Vector2<float> pixel(50.0F + 36.0F * static_cast<float>(column),
+                                 40.0F + 40.0F * static_cast<float>(row));
       WindowFeature& feature = follow(static_cast<LandmarkId>(i + 1), pixel, 0.02F);
       archive_due();
       ++feature.sightings;

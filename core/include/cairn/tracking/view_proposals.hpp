@@ -65,11 +65,11 @@ void ViewProposals<Config>::propose(FrameContext& frame, const Features& feature
   if (!picture.take(features.shrunk())) return;
   typename Views::Likeness like[kMaxProposals];
   const int count = views_.most_like(picture, like, most);
-  const float per_column = static_cast<float>(frame.image.width / SmallPicture::kColumns);
-  const float per_row = static_cast<float>(frame.image.height / SmallPicture::kRows);
+  const int column_px = frame.image.width / SmallPicture::kColumns;
+  const int row_px = frame.image.height / SmallPicture::kRows;
   for (int i = count - 1; i >= 0; --i) {
-    const float right = static_cast<float>(like[i].shift.dx) * per_column / frame.camera.fx;
-    const float down = static_cast<float>(like[i].shift.dy) * per_row / frame.camera.fy;
+    const float right = static_cast<float>(like[i].shift.dx * column_px) / frame.camera.fx;
+    const float down = static_cast<float>(like[i].shift.dy * row_px) / frame.camera.fy;
     Rigid<float> T_map_camera = views_[like[i].view].T_map_camera;
     T_map_camera.rotation =
         T_map_camera.rotation * rotation_exp(Vector3<float>(down, -right, 0.0F));
