@@ -82,6 +82,18 @@ class VehicleEstimate {
   int projection_work() const {
     return work::kProjection + (filter_.tilts() ? work::kTiltedProjection : 0);
   }
+  /// After an update at a pose whose heading was unsure: what a linear update leaves of so large a
+  /// turn, half of its square, seen from landmarks a few camera heights away.
+  void allow_for_bending(float heading_variance) {
+    constexpr float kLeast_rad = 0.01F;
+    constexpr float kMost_rad = 0.5F;
+    constexpr float kLever = 4.0F;
+    const float bend = 0.5F * heading_variance;
+    if (!(bend > kLeast_rad)) return;
+    const float turned = bend < kMost_rad ? bend : kMost_rad;
+    const float moved = kLever * T_vehicle_camera().translation.z() * turned;
+    static_cast<void>(filter_.widen_pose(square(moved), square(turned)));
+  }
   /// Prepares the filter for an update at a pose that may have become unsure; the units of work
   /// that it took.
   int recentre() { return filter_.recentre() ? work::recentring(state_count()) : 0; }

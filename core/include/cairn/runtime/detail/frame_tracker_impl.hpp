@@ -159,10 +159,14 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   if (!matches.empty() && monitor_.enough_matches(measurement_.counts(), thin)) {
     const int inlier_count = monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
     const PlanarPose<float> predicted = filter().mean_pose();
+    const float heading_variance = filter().pose_covariance()(2, 2);
     const PixelUpdate update =
         estimate_.update(frame, matches, inlier_count, most_chance(matches.size()));
     measurement_.note_update(update);
-    if (monitor_.holds(measurement_.counts())) note_correction(predicted);
+    if (monitor_.holds(measurement_.counts())) {
+      note_correction(predicted);
+      estimate_.allow_for_bending(heading_variance);
+    }
     frame.report.update = update.report;
     if (ok(status)) status = update.status;
   }
