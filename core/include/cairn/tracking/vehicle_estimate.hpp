@@ -83,16 +83,15 @@ class VehicleEstimate {
     return work::kProjection + (filter_.tilts() ? work::kTiltedProjection : 0);
   }
   /// After an update that made an unsure heading, of that variance before, sure: what a linear
-  /// update leaves of so large a turn, half of its square, seen from landmarks a few camera heights
+  /// update leaves of so large a turn, half of its square, seen from landmarks a camera height
   /// away.
   void allow_for_bending(float heading_variance) {
     constexpr float kLeast_rad = 0.01F;
-    constexpr float kMost_rad = 0.5F;
-    constexpr float kLever = 4.0F;
+    constexpr float kMost_rad = 0.05F;  // more, and windows become too wide
     const float bend = 0.5F * (heading_variance - filter_.pose_covariance()(2, 2));
     if (!(bend > kLeast_rad)) return;
     const float turned = bend < kMost_rad ? bend : kMost_rad;
-    const float moved = kLever * T_vehicle_camera().translation.z() * turned;
+    const float moved = T_vehicle_camera().translation.z() * turned;
     static_cast<void>(filter_.widen_pose(square(moved), square(turned)));
   }
   /// Prepares the filter for an update at a pose that may have become unsure; the units of work
