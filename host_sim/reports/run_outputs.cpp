@@ -314,7 +314,7 @@ json focal_json(const RunRecord& record) {
           {"told_sigma", record.focal->told_sigma}};
 }
 
-/// How often the pictures' yaw goes into that of odometry; null in hand-held mode.
+/// Yaw rate of the odometry over that of the pictures; null in hand-held mode.
 json yaw_json(const RunRecord& record) {
   if (!record.yaw.has_value()) return nullptr;
   const float ratio = record.yaw->ratio();

@@ -23,6 +23,26 @@ std::uint64_t hash_of(const Tracker& tracker) {
   return hash.value();
 }
 
+/// GIVEN a hand-held tracker that has started.
+template <class Tracker>
+class Started {
+ public:
+  Started() { EXPECT_TRUE(ok(tracker_->initialise(camera_, {}))); }
+  /// Whether parameters with a change are refused, and nothing else happens.
+  template <class Change>
+  bool refuses(Change change) {
+    const std::uint64_t before = hash_of(*tracker_);
+    typename Tracker::Parameters parameters;
+    change(parameters);
+    return tracker_->initialise(camera_, parameters) == Status::kBadConfig &&
+           hash_of(*tracker_) == before;
+  }
+
+ private:
+  PinholeCamera<float> camera_ = test::to_float(test::small_camera());
+  std::unique_ptr<Tracker> tracker_ = std::make_unique<Tracker>();
+};
+
 /// GIVEN a vehicle's tracker that has started.
 class ParametersOfAVehicle : public ::testing::Test {
  protected:
@@ -108,43 +128,23 @@ TEST_F(ParametersOfAVehicle, StartIsAPoseWithACovariance) {
 }
 
 TEST(ParametersOfAHandheldTracker, ArePossible) {
-  using Tracker = HandheldTracker<TinyConfig>;
-  auto tracker = std::make_unique<Tracker>();
-  const PinholeCamera<float> camera = test::to_float(test::small_camera());
-  ASSERT_TRUE(ok(tracker->initialise(camera, {})));
-  const std::uint64_t before = hash_of(*tracker);
-  const auto refuses = [&](auto change) {
-    Tracker::Parameters parameters;
-    change(parameters);
-    return tracker->initialise(camera, parameters) == Status::kBadConfig &&
-           hash_of(*tracker) == before;
-  };
-  EXPECT_TRUE(refuses([](auto& p) { p.map_reuse.archive.mature_sightings = 0; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.map_reuse.min_found_ratio = kNaN; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.start.block_frames = 0; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.local_map.target_features = 0; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.max_step_us = 0; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.filter.sigma_px = 0.0F; }));
+  Started<HandheldTracker<TinyConfig>> tracker;
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.map_reuse.archive.mature_sightings = 0; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.map_reuse.min_found_ratio = kNaN; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.start.block_frames = 0; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.local_map.target_features = 0; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.max_step_us = 0; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.filter.sigma_px = 0.0F; }));
 }
 
 TEST(ParametersOfAWindow, ArePossible) {
-  using Tracker = WindowTracker<TinyConfig>;
-  auto tracker = std::make_unique<Tracker>();
-  const PinholeCamera<float> camera = test::to_float(test::small_camera());
-  ASSERT_TRUE(ok(tracker->initialise(camera, {})));
-  const std::uint64_t before = hash_of(*tracker);
-  const auto refuses = [&](auto change) {
-    Tracker::Parameters parameters;
-    change(parameters);
-    return tracker->initialise(camera, parameters) == Status::kBadConfig &&
-           hash_of(*tracker) == before;
-  };
-  EXPECT_TRUE(refuses([](auto& p) { p.lens_sigma = -1.0F; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.window.focal_sigma = kNaN; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.memory.seek_samples = 0; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.memory.same_share = kNaN; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.memory.seek_landmarks = 61; }));
-  EXPECT_TRUE(refuses([](auto& p) { p.rotation.inflation = kNaN; }));
+  Started<WindowTracker<TinyConfig>> tracker;
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.lens_sigma = -1.0F; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.window.focal_sigma = kNaN; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.memory.seek_samples = 0; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.memory.same_share = kNaN; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.memory.seek_landmarks = 61; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.rotation.inflation = kNaN; }));
 }
 
 }  // namespace
