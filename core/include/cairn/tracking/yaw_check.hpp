@@ -46,8 +46,8 @@ class YawCheck {
   /// Whether, for a second, odometry turned otherwise than the pictures by more than its noise and
   /// the pictures' own error; until it turned as they do for as long.
   bool suspect() const { return suspect_; }
-  /// How often what the pictures turned goes into what odometry says: -1 where the sign is wrong,
-  /// 57 for degrees. 0: not known.
+  /// Yaw rate of the odometry over that of the pictures: -1 where the sign is wrong, 57 for
+  /// degrees. 0: not known.
   float ratio() const;
 
  private:
