@@ -71,10 +71,11 @@ class WindowTracker {
     float standing_px = 4.0F;      ///< mean flow, or parallax, below which it does
     int min_inliers = 8;
     float min_inlier_share = 0.4F;  ///< of those found
-    int max_outliers = 2;           ///< of a feature, in a row; then it is given up
-    int weak_frames = 3;            ///< in a row, after which tracking is lost
-    float known_depth = 0.3F;       ///< relative sigma below which a depth counts as known
-    float lens_sigma = 0.03F;       ///< of turns, relative: what else the calibration gets wrong
+    /// Of a feature, in a row; then it is given up. Twice as many until the start is settled.
+    int max_outliers = 2;
+    int weak_frames = 3;       ///< in a row, after which tracking is lost
+    float known_depth = 0.3F;  ///< relative sigma below which a depth counts as known
+    float lens_sigma = 0.03F;  ///< of turns, relative: what else the calibration gets wrong
     /// Of the sigma: the square root of 64 landmarks, as if they shared all of their errors.
     float covariance_factor = 8.0F;
     float blind_rate_radps = 1.0F;      ///< sigma of a turn while too few landmarks are seen
@@ -143,8 +144,8 @@ class WindowTracker {
   /// Whether the map was begun anew and its place in the library's is not known yet.
   bool astray() const { return astray_; }
   TrackingState state() const { return state_; }
-  /// Times that the mirrored solution was taken.
-  int mirrored() const { return window_.mirrored(); }
+  /// Times that the present map's start was corrected.
+  int corrected() const { return window_.corrected(); }
 
   // What place_on_features() asks of a map.
   int feature_count() const { return features_.size(); }

@@ -21,8 +21,6 @@ class WindowMotion {
   void forget() { phi_ = velocity_ = Vector3<float>::Zero(); }
   /// The world has another scale.
   void forget_velocity() { velocity_ = Vector3<float>::Zero(); }
-  /// The world turned out to be mirrored.
-  void mirror() { velocity_ = -velocity_; }
 
   Rigid<float> predict(const Rigid<float>& T_camera_world, float dt_s) const {
     return moved(T_camera_world, phi_ * dt_s, dt_s);

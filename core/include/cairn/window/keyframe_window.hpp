@@ -8,6 +8,7 @@
 #include "cairn/estimation/observation.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/window/epipolar_motion.hpp"
 #include "cairn/window/focal_belief.hpp"
 #include "cairn/window/inverse_depth_view.hpp"
 #include "cairn/window/schur_solve.hpp"
@@ -25,9 +26,9 @@ struct WindowParameters {
   T depth_prior_sigma = T(0.5);    ///< of a new landmark, relative to its inverse depth
   T sigma_factor = T(1.5);         ///< of an inverse depth, over what its own observations give
   int iterations = 6;              ///< after a keyframe
-  int mirrored_keyframes = 6;      ///< with parallax, until which the mirrored relief is tried,
-  int mirrored_iterations = 10;    ///< by so many iterations,
-  T mirrored_gain = T(0.9);        ///< and taken where its cost is below this share of the other's
+  int start_keyframes = 8;         ///< with parallax, up to which the start is checked,
+  T start_gain = T(0.7);           ///< and corrected where another motion costs less than this
+  T start_margin = T(3);           ///< share of the window's, less this
   T focal_sigma = T(0.1);          ///< of the focal length, relative; 0: it is not estimated
   T focal_factor = T(8);           ///< of its sigma, over what a window's pixels alone give
   T focal_window_sigma = T(0.03);  ///< relative, of what one window says of it, at least
@@ -37,10 +38,10 @@ struct WindowParameters {
     const bool good = is_positive(sigma) && is_positive(huber_sigma) &&
                       is_positive(outlier_sigma) && is_positive(first_inverse_depth) &&
                       is_positive(depth_prior_sigma) && is_positive(sigma_factor) &&
-                      iterations >= 1 && iterations <= 100 && mirrored_keyframes >= 0 &&
-                      mirrored_iterations >= 1 && mirrored_iterations <= 100 &&
-                      mirrored_gain >= T(0) && mirrored_gain <= T(1) && is_finite(focal_sigma) &&
-                      focal_sigma >= T(0) && focal_sigma <= T(1) && is_positive(focal_factor) &&
+                      iterations >= 1 && iterations <= 100 && start_keyframes >= 0 &&
+                      start_gain >= T(0) && start_gain <= T(1) && is_finite(start_margin) &&
+                      start_margin >= T(0) && is_finite(focal_sigma) && focal_sigma >= T(0) &&
+                      focal_sigma <= T(1) && is_positive(focal_factor) &&
                       is_finite(focal_window_sigma) && focal_window_sigma >= T(0);
     return good ? Status::kOk : Status::kBadConfig;
   }
@@ -53,8 +54,11 @@ struct WindowParameters {
 /// once the window slides; keyframes leave by the distance score of DSO (Engel, Koltun, Cremers
 /// 2018). The scale is that of the priors.
 ///
-/// From few views a relief and its mirror image explain the picture alike. After each of the first
-/// keyframes the mirrored solution is therefore improved too, and kept where it explains more.
+/// From few views several reliefs and motions explain the picture nearly alike, and the priors lead
+/// to one that may be wrong. After each of the first keyframes the motion since an earlier one is
+/// therefore sought from the picture alone (estimate_epipolar_motion()); where it explains clearly
+/// more than the window does, the window begins anew from it. What the window refused to explain is
+/// kept for this as doubted.
 ///
 /// The focal length is estimated with them, as a factor on the one that the directions are measured
 /// with; what windows that left said of it is kept (FocalBelief). A pose that is fixed is so for a
@@ -64,7 +68,8 @@ struct WindowParameters {
 /// as it is estimated when they are given or asked for. Work is spread:
 /// step() is one iteration, wanted while working(). Cost of a step: two passes over the
 /// observations in the window (at most kKeyframes * kLandmarks, some 150 and 40 multiply-adds
-/// each), (6 (kKeyframes - 1))^2 / 2 multiply-adds a landmark, one solve.
+/// each), (6 (kKeyframes - 1))^2 / 2 multiply-adds a landmark, one solve; or a part of the start's
+/// check, which costs less.
 template <class T, class Bounds = WindowBounds>
 class KeyframeWindow {
  public:
@@ -94,25 +99,28 @@ class KeyframeWindow {
   void begin_keyframe(const Rigid<T>& T_camera_world);
   /// The newest keyframe sees a landmark. Domain: a used slot.
   void observe(int slot, const Vector2<T>& seen);
+  /// The same of a direction that the frame's pose does not explain: used for the start alone.
+  void doubt(int slot, const Vector2<T>& seen);
   /// A landmark that the newest keyframe sees first, its depth from those that are known (of the
   /// present view), else from the prior. Its slot, -1 when full.
   int add_landmark(LandmarkId id, const Vector2<T>& seen);
   /// A fixed host for landmarks whose place in the world is known; it lasts as long as it has some,
-  /// and to the next keyframe. In a window's first keyframe it also rules out a mirrored relief.
+  /// and to the next keyframe. In a window's first keyframe it also settles the start.
   int add_host(const Rigid<T>& T_camera_world);
   /// A landmark of a fixed host, that sees it along `ray` at an inverse depth. Its slot, -1 when
   /// full.
   int add_known_landmark(LandmarkId id, int host, const Vector2<T>& ray, T inverse_depth, T sigma);
   /// Ends a keyframe: forgets landmarks without use, and asks for iterations. `moved`: the camera
-  /// did since the one before; from a standing camera or one that turns on the spot, the mirrored
-  /// relief cannot be told.
+  /// did since the one before; from a standing camera or one that turns on the spot, the start
+  /// cannot be judged.
   void finish_keyframe(bool moved = true);
 
   /// Whether iterations are wanted.
-  bool working() const { return left_ > 0 || mirror_left_ > 0; }
+  bool working() const { return left_ > 0 || start_ != Start::kNoCheck; }
   /// Units of WorkBudget that step() takes.
   int step_work() const;
-  /// One iteration. Poses and depths may change, the newest keyframe's pose too.
+  /// One iteration, or a part of the start's check. Poses and depths may change, the newest
+  /// keyframe's pose too.
   void step();
 
   /// The landmark is followed no more; it counts while two keyframes saw it.
@@ -121,12 +129,10 @@ class KeyframeWindow {
   int keyframes() const { return order_.size(); }
   /// Keyframes since the start.
   int started() const { return started_; }
-  /// Whether the mirrored solution is out of question.
-  bool settled() const {
-    return anchored_ || (moved_ > parameters_.mirrored_keyframes && mirror_left_ == 0);
-  }
-  /// Since clear(), how often the mirrored solution was taken.
-  int mirrored() const { return mirrored_; }
+  /// Whether the start is no longer checked.
+  bool settled() const { return anchored_ || moved_ > parameters_.start_keyframes; }
+  /// Since clear(), how often the start was corrected.
+  int corrected() const { return corrected_; }
   /// The newest keyframe. Domain: there is one.
   const Rigid<T>& newest_pose() const { return now().pose[slot_of_[order_.back()]]; }
   bool newest_sees(int slot, Vector2<T>& seen) const;
@@ -169,6 +175,13 @@ class KeyframeWindow {
   static constexpr int kStepLandmark = 4;
   static constexpr int kStepObservation = 1;
   static constexpr int kStepFocal = 8;  ///< part that the focal length adds
+  static constexpr int kSeekStart = 1450;
+  static constexpr int kTakeStart = 60;
+  static constexpr int kStartPose = 270;  ///< of a keyframe between
+
+  static constexpr int kStartPairs = kLandmarks < 64 ? kLandmarks : 64;  ///< at most
+  static constexpr int kLeastStartPairs = 24;
+  static constexpr T kStartRange = T(20);  ///< of depths to the typical one, either way
 
   struct Landmark {
     LandmarkId id = kNoLandmark;
@@ -176,12 +189,19 @@ class KeyframeWindow {
     T prior = T(0);
     T prior_sigma = T(0);
     T sigma = T(0);
-    std::int8_t host = -1;  ///< slot of a pose
-    std::uint8_t seen = 0;  ///< a bit per place in the window
+    std::int8_t host = -1;     ///< slot of a pose
+    std::uint8_t seen = 0;     ///< a bit per place in the window
+    std::uint8_t doubted = 0;  ///< same; known to the start's check alone
     bool used = false;
     bool live = false;
   };
-  /// One solution: all that an iteration changes.
+  enum class Start : std::uint8_t { kNoCheck, kSeek, kTake };
+  /// What two keyframes both see.
+  struct StartView {
+    FixedVector<DirectionPair<T>, kStartPairs> pairs;
+    int slots[kStartPairs] = {};
+  };
+  /// All that an iteration changes.
   struct Solution {
     Rigid<T> pose[kPoses];
     T rho[kLandmarks];
@@ -189,8 +209,8 @@ class KeyframeWindow {
   };
   using Reduced = LandmarkEquation<T, kMaxStates>;
 
-  const Solution& now() const { return solutions_[present_]; }
-  Solution& now() { return solutions_[present_]; }
+  const Solution& now() const { return solution_; }
+  Solution& now() { return solution_; }
   int place_of(int pose) const;
   int free_place();
   int free_pose();
@@ -211,13 +231,19 @@ class KeyframeWindow {
   void move_fixed(const int* states, T focal_step, Solution& solution) const;
   int observers(const Landmark& landmark) const;
   void forget_unused();
-  void begin_mirror();
   T build(const Solution& solution, const int* states);
   void add_pair(const Solution& solution, int host, int place, const int* states, T& cost);
   T cost_of(const Solution& solution) const;
   bool iterate(Solution& solution, T& damping, T& before, T& cost);
   void improve();
-  void improve_mirrored();
+  EpipolarOptions<T> start_options() const;
+  void common_view(int place, StartView& view) const;
+  void seek_start();
+  void take_start();
+  T start_depths(const StartView& view, T* rho);
+  T depth_in(const Rigid<T>& T_camera_world, int slot) const;
+  void start_poses(const StartView& view, const T* rho);
+  void start_hosts(const StartView& view, const T* rho, T typical);
   void assess();
   void assess_focal();
   void forget_outliers();
@@ -229,16 +255,16 @@ class KeyframeWindow {
   FixedVector<std::int8_t, kKeyframes> order_;  ///< places, oldest first
   std::int8_t slot_of_[kKeyframes] = {};        ///< place to pose
   bool pose_used_[kPoses] = {};
-  Solution solutions_[2] = {};
-  int present_ = 0;
+  Solution solution_ = {};
   int started_ = 0;
   int moved_ = 0;  ///< keyframes, of those
-  int mirrored_ = 0;
-  int left_ = 0;         ///< iterations of the present solution
-  int mirror_left_ = 0;  ///< of the other one
-  T new_depth_ = T(0);   ///< inverse, of the newest keyframe's own landmarks; 0: not yet known
+  int corrected_ = 0;
+  int left_ = 0;        ///< iterations
+  T new_depth_ = T(0);  ///< inverse, of the newest keyframe's own landmarks; 0: not yet known
   T damping_ = kFirstDamping;
-  T mirror_damping_ = kFirstDamping;
+  Start start_ = Start::kNoCheck;
+  int start_from_ = 0;     ///< index of the keyframe that the start's motion is relative to
+  Rigid<T> start_motion_;  ///< from it to the newest, translation of length 1
   System system_;
   T gradient_[kMaxStates] = {};
   Reduced reduced_[kLandmarks];
@@ -259,3 +285,4 @@ class KeyframeWindow {
 #include "cairn/window/detail/keyframe_window_impl.hpp"
 #include "cairn/window/detail/window_equations.hpp"
 #include "cairn/window/detail/window_iteration.hpp"
+#include "cairn/window/detail/window_start.hpp"

@@ -287,9 +287,10 @@ void WindowTracker<Config>::remove(FrameContext& frame, int i) {
 /// Gives up what was missed too often, left the view, or does not agree.
 template <class Config>
 void WindowTracker<Config>::drop_missed(FrameContext& frame, const Rigid<float>& pose) {
+  const int most = window_.settled() ? parameters_.max_outliers : 2 * parameters_.max_outliers;
   for (int i = features_.size() - 1; i >= 0; --i) {
     const WindowFeature& feature = features_[i];
-    const bool kept = feature.found ? feature.outliers < parameters_.max_outliers
+    const bool kept = feature.found ? feature.outliers < most
                                     : features_.miss(frame, i, expected_pixel(feature, pose));
     if (!kept) remove(frame, i);
   }

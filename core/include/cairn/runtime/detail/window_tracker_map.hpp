@@ -4,14 +4,20 @@
 
 namespace cairn {
 
-/// The newest keyframe sees what the frame found.
+/// The newest keyframe sees what the frame found. What disagrees with the frame's pose may be right
+/// while the start is not settled.
 template <class Config>
 void WindowTracker<Config>::observe_features() {
   for (int i = 0; i < features_.size(); ++i) {
     const WindowFeature& feature = features_[i];
-    if (!feature.found || feature.outliers > 0) continue;
+    if (!feature.found) continue;
     const Vector3<float> ray = camera_.unproject(feature.pixel);
-    window_.observe(feature.slot, Vector2<float>(ray.x(), ray.y()));
+    const Vector2<float> direction(ray.x(), ray.y());
+    if (feature.outliers == 0) {
+      window_.observe(feature.slot, direction);
+    } else if (!window_.settled()) {
+      window_.doubt(feature.slot, direction);
+    }
   }
 }
 
@@ -40,7 +46,7 @@ void WindowTracker<Config>::improve_window(FrameContext& frame) {
   constexpr int kMostSteps = 64;
   if (window_.keyframes() == 0) return;
   const Rigid<float> before = window_.newest_pose();
-  const int mirrored = window_.mirrored();
+  const int corrected = window_.corrected();
   const int each = window_.step_work();
   ++frames_without_step_;
   for (int i = 0; i < kMostSteps && window_.working(); ++i) {
@@ -53,12 +59,8 @@ void WindowTracker<Config>::improve_window(FrameContext& frame) {
     frames_without_step_ = 0;
   }
   follow_focal();
-  Rigid<float> from_newest = T_camera_world_ * before.inverse();
-  if (window_.mirrored() != mirrored) {
-    from_newest.translation = -from_newest.translation;
-    motion_.mirror();
-  }
-  T_camera_world_ = from_newest * window_.newest_pose();
+  if (window_.corrected() != corrected) motion_.forget();
+  T_camera_world_ = T_camera_world_ * before.inverse() * window_.newest_pose();
   T_camera_world_.rotation.coeffs() *= 1.0F / sqrt(T_camera_world_.rotation.squaredNorm());
   for (int i = features_.size() - 1; i >= 0; --i) {
     if (!window_.live(features_[i].slot)) remove(frame, i);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/numeric/median.hpp"
 #include "cairn/window/keyframe_window.hpp"
 
 namespace cairn {
@@ -22,10 +23,10 @@ void KeyframeWindow<T, Bounds>::clear() {
   order_.clear();
   belief_.leave_all();
   focal_excess_ = square(parameters_.focal_factor);
-  for (Solution& solution : solutions_) solution.focal = belief_.mean();
+  solution_.focal = belief_.mean();
   for (Vector<T, 6>& by_focal : by_focal_) by_focal.setZero();
-  started_ = moved_ = mirrored_ = left_ = mirror_left_ = 0;
-  present_ = 0;
+  started_ = moved_ = corrected_ = left_ = 0;
+  start_ = Start::kNoCheck;
   anchored_ = false;
   solved_ = false;
   newest_covariance_.setZero();
@@ -75,6 +76,7 @@ void KeyframeWindow<T, Bounds>::drop(int index) {
   const auto flag = static_cast<std::uint8_t>(1U << static_cast<unsigned>(order_[index]));
   for (Landmark& landmark : landmarks_) {
     landmark.seen = static_cast<std::uint8_t>(landmark.seen & ~flag);
+    landmark.doubted = static_cast<std::uint8_t>(landmark.doubted & ~flag);
   }
   belief_.leave(order_[index]);
   for (int i = index; i + 1 < order_.size(); ++i) order_[i] = order_[i + 1];
@@ -117,7 +119,6 @@ int KeyframeWindow<T, Bounds>::worst_keyframe(const Rigid<T>& newest) const {
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
   if (order_.full()) drop(worst_keyframe(T_camera_world));
-  const int before = order_.empty() ? -1 : slot_of_[order_.back()];
   const int place = free_place();
   const int pose = free_pose();
   slot_of_[place] = static_cast<std::int8_t>(pose);
@@ -125,12 +126,7 @@ void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
   ++started_;
   new_depth_ = T(0);
   now().pose[pose] = T_camera_world;
-  if (mirror_left_ == 0 || before < 0) return;
-  // In the mirrored world the camera turned the same way and moved the other.
-  Solution& mirrored = solutions_[1 - present_];
-  Rigid<T> moved = T_camera_world * now().pose[before].inverse();
-  moved.translation = -moved.translation;
-  mirrored.pose[pose] = moved * mirrored.pose[before];
+  start_ = Start::kNoCheck;
 }
 
 template <class T, class Bounds>
@@ -139,6 +135,15 @@ void KeyframeWindow<T, Bounds>::observe(int slot, const Vector2<T>& seen) {
   observed_[place][slot] = as_told(seen);
   Landmark& landmark = landmarks_[slot];
   landmark.seen = static_cast<std::uint8_t>(landmark.seen | (1U << static_cast<unsigned>(place)));
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::doubt(int slot, const Vector2<T>& seen) {
+  const int place = order_.back();
+  observed_[place][slot] = as_told(seen);
+  Landmark& landmark = landmarks_[slot];
+  landmark.doubted =
+      static_cast<std::uint8_t>(landmark.doubted | (1U << static_cast<unsigned>(place)));
 }
 
 template <class T, class Bounds>
@@ -165,7 +170,7 @@ int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& see
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::add_host(const Rigid<T>& T_camera_world) {
   const int pose = free_pose();
-  for (Solution& solution : solutions_) solution.pose[pose] = T_camera_world;
+  now().pose[pose] = T_camera_world;
   anchored_ = anchored_ || started_ == 1;
   return pose;
 }
@@ -185,7 +190,7 @@ int KeyframeWindow<T, Bounds>::add_known_landmark(LandmarkId id, int host, const
   landmark.prior_sigma = sigma;
   landmark.sigma = sigma;
   landmark.used = landmark.live = true;
-  for (Solution& solution : solutions_) solution.rho[slot] = landmark.prior;
+  now().rho[slot] = landmark.prior;
   return slot;
 }
 
@@ -209,36 +214,7 @@ void KeyframeWindow<T, Bounds>::finish_keyframe(bool moved) {
   moved_ += moved ? 1 : 0;
   if (started_ < 2) return;
   left_ = parameters_.iterations;
-}
-
-/// Inverse depths and motions mirrored about their mean: what the present solution is mistaken for.
-template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::begin_mirror() {
-  constexpr T kLeast = T(0.05);  // of the mean
-  Solution& mirrored = solutions_[1 - present_];
-  mirrored = now();
-  T mean = T(0);
-  int count = 0;
-  for (int slot = 0; slot < kLandmarks; ++slot) {
-    if (!landmarks_[slot].used) continue;
-    mean += now().rho[slot];
-    ++count;
-  }
-  if (count == 0) return;
-  mean /= static_cast<T>(count);
-  for (int slot = 0; slot < kLandmarks; ++slot) {
-    const T flipped = T(2) * mean - now().rho[slot];
-    mirrored.rho[slot] = flipped > kLeast * mean ? flipped : kLeast * mean;
-  }
-  const Rigid<T> first = now().pose[slot_of_[order_[0]]];
-  const Rigid<T> to_first = first.inverse();
-  for (const std::int8_t place : order_) {
-    Rigid<T> moved = now().pose[slot_of_[place]] * to_first;
-    moved.translation = -moved.translation;
-    mirrored.pose[slot_of_[place]] = moved * first;
-  }
-  mirror_left_ = parameters_.mirrored_iterations;
-  mirror_damping_ = kFirstDamping;
+  if (moved && !settled()) start_ = Start::kSeek;
 }
 
 template <class T, class Bounds>
@@ -259,8 +235,9 @@ void KeyframeWindow<T, Bounds>::forget_outliers() {
         continue;
       }
       ++bad;
-      landmark.seen =
-          static_cast<std::uint8_t>(landmark.seen & ~(1U << static_cast<unsigned>(place)));
+      const unsigned flag = 1U << static_cast<unsigned>(place);
+      landmark.seen = static_cast<std::uint8_t>(landmark.seen & ~flag);
+      landmark.doubted = static_cast<std::uint8_t>(landmark.doubted | flag);
     }
     if (bad > 1 && 2 * bad > seen) landmark.live = false;
   }
@@ -307,13 +284,8 @@ T KeyframeWindow<T, Bounds>::typical_inverse_depth(const Rigid<T>& T_camera_worl
     const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
     if (!view.project(step, as_estimated(landmarks_[slot].ray), rho)) continue;
     values.push_back(rho / view.p.z());
-    for (int i = values.size() - 1; i > 0 && values[i - 1] > values[i]; --i) {
-      const T swapped = values[i];
-      values[i] = values[i - 1];
-      values[i - 1] = swapped;
-    }
   }
-  return values.size() < kFew ? T(0) : values[values.size() / 2];
+  return values.size() < kFew ? T(0) : sort_for_median(values);
 }
 
 template <class T, class Bounds>

@@ -67,6 +67,10 @@ bool KeyframeWindow<T, Bounds>::iterate(Solution& solution, T& damping, T& befor
 
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::step_work() const {
+  if (start_ == Start::kSeek) return kSeekStart;
+  if (start_ == Start::kTake) {
+    return kTakeStart + kStartPose * (order_.size() - 2 - start_from_);
+  }
   int landmarks = 0;
   int observations = 0;
   for (const Landmark& landmark : landmarks_) {
@@ -80,10 +84,12 @@ int KeyframeWindow<T, Bounds>::step_work() const {
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::step() {
-  if (left_ > 0) {
+  if (start_ == Start::kSeek) {
+    seek_start();
+  } else if (start_ == Start::kTake) {
+    take_start();
+  } else if (left_ > 0) {
     improve();
-  } else if (mirror_left_ > 0) {
-    improve_mirrored();
   }
 }
 
@@ -99,27 +105,6 @@ void KeyframeWindow<T, Bounds>::improve() {
   if (lowered && before - cost < kSmall * before) left_ = 0;
   if (left_ > 0) return;
   assess();
-  if (mirror_left_ > 0) return;  // its turn comes
-  if (!anchored_ && moved_ <= parameters_.mirrored_keyframes) {
-    begin_mirror();
-  } else {
-    forget_outliers();
-  }
-}
-
-/// Observations that only the present solution does not explain are kept until the mirrored one had
-/// its chance.
-template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::improve_mirrored() {
-  T cost = T(0);
-  T before = T(0);
-  iterate(solutions_[1 - present_], mirror_damping_, before, cost);
-  if (--mirror_left_ > 0) return;
-  if (cost < parameters_.mirrored_gain * cost_of(now())) {
-    present_ = 1 - present_;
-    ++mirrored_;
-    assess();
-  }
   forget_outliers();
 }
 
