@@ -116,6 +116,17 @@ TEST(KeyframeWindow, LeavesTheMirroredWorldInMostScenes) {
   EXPECT_LE(wrong_with, 2);
 }
 
+TEST(KeyframeWindow, LeavesAPlaneOfWhichTwoPicturesShowTwoMotions) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    Drive<double> drive;
+    drive.scene = WindowScene<double>(seed);
+    for (Vector3<double>& p : drive.scene.points) p /= p.z() + 0.5 * p.x() - 0.3 * p.y();
+    for (int k = 0; k < 7; ++k) drive.keyframe(4 * k, 0.01);
+    EXPECT_EQ(drive.window.corrected(), 0) << seed;
+    EXPECT_LT(drive.depth_error(), 0.1) << seed;
+  }
+}
+
 TEST(KeyframeWindow, KeyframesOfAStandingCameraDoNotSettleTheRelief) {
   Drive<float> drive;
   for (int k = 0; k < 10; ++k) drive.keyframe(0, 0.0F, false);

@@ -57,8 +57,8 @@ struct WindowParameters {
 /// From few views several reliefs and motions explain the picture nearly alike, and the priors lead
 /// to one that may be wrong. After each of the first keyframes the motion since an earlier one is
 /// therefore sought from the picture alone (estimate_epipolar_motion()); where it explains clearly
-/// more than the window does, the window begins anew from it. What the window refused to explain is
-/// kept for this as doubted.
+/// more than the window does, the window begins anew from it, and stays with it where it then
+/// explains all keyframes better. What the window refused to explain is kept for this as doubted.
 ///
 /// The focal length is estimated with them, as a factor on the one that the directions are measured
 /// with; what windows that left said of it is kept (FocalBelief). A pose that is fixed is so for a
@@ -240,6 +240,7 @@ class KeyframeWindow {
   void common_view(int place, StartView& view) const;
   void seek_start();
   void take_start();
+  void compare_start();
   T start_depths(const StartView& view, T* rho);
   T depth_in(const Rigid<T>& T_camera_world, int slot) const;
   void start_poses(const StartView& view, const T* rho);
@@ -256,6 +257,8 @@ class KeyframeWindow {
   std::int8_t slot_of_[kKeyframes] = {};        ///< place to pose
   bool pose_used_[kPoses] = {};
   Solution solution_ = {};
+  Solution before_ = {};  ///< the start was corrected; what it was until the two are compared
+  bool compared_ = true;
   int started_ = 0;
   int moved_ = 0;  ///< keyframes, of those
   int corrected_ = 0;

@@ -27,6 +27,7 @@ void KeyframeWindow<T, Bounds>::clear() {
   for (Vector<T, 6>& by_focal : by_focal_) by_focal.setZero();
   started_ = moved_ = corrected_ = left_ = 0;
   start_ = Start::kNoCheck;
+  compared_ = true;
   anchored_ = false;
   solved_ = false;
   newest_covariance_.setZero();
@@ -119,6 +120,7 @@ int KeyframeWindow<T, Bounds>::worst_keyframe(const Rigid<T>& newest) const {
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
   if (order_.full()) drop(worst_keyframe(T_camera_world));
+  const int last = order_.empty() ? -1 : newest();
   const int place = free_place();
   const int pose = free_pose();
   slot_of_[place] = static_cast<std::int8_t>(pose);
@@ -127,6 +129,9 @@ void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
   new_depth_ = T(0);
   now().pose[pose] = T_camera_world;
   start_ = Start::kNoCheck;
+  if (last >= 0) {
+    before_.pose[pose] = T_camera_world * now().pose[last].inverse() * before_.pose[last];
+  }
 }
 
 template <class T, class Bounds>
@@ -170,7 +175,7 @@ int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& see
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::add_host(const Rigid<T>& T_camera_world) {
   const int pose = free_pose();
-  now().pose[pose] = T_camera_world;
+  now().pose[pose] = before_.pose[pose] = T_camera_world;
   anchored_ = anchored_ || started_ == 1;
   return pose;
 }
@@ -190,7 +195,7 @@ int KeyframeWindow<T, Bounds>::add_known_landmark(LandmarkId id, int host, const
   landmark.prior_sigma = sigma;
   landmark.sigma = sigma;
   landmark.used = landmark.live = true;
-  now().rho[slot] = landmark.prior;
+  now().rho[slot] = before_.rho[slot] = landmark.prior;
   return slot;
 }
 

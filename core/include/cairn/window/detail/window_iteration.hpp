@@ -78,7 +78,8 @@ int KeyframeWindow<T, Bounds>::step_work() const {
     ++landmarks;
     observations += observers(landmark);
   }
-  const int units = kStepBase + kStepLandmark * landmarks + kStepObservation * observations;
+  int units = kStepBase + kStepLandmark * landmarks + kStepObservation * observations;
+  if (!compared_ && left_ == 1) units *= 2;
   return estimates_focal() ? units + units / kStepFocal : units;
 }
 
@@ -104,6 +105,10 @@ void KeyframeWindow<T, Bounds>::improve() {
   --left_;
   if (lowered && before - cost < kSmall * before) left_ = 0;
   if (left_ > 0) return;
+  if (!compared_) {
+    compare_start();
+    if (left_ > 0) return;
+  }
   assess();
   forget_outliers();
 }

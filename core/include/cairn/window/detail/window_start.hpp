@@ -62,9 +62,22 @@ void KeyframeWindow<T, Bounds>::take_start() {
     landmark.seen = static_cast<std::uint8_t>(landmark.seen | landmark.doubted);
     landmark.doubted = 0;
   }
+  if (compared_) before_ = now();
+  compared_ = false;
   start_poses(view, rho);
   start_hosts(view, rho, typical);
   ++corrected_;
+}
+
+/// Goes back to what was before the start was corrected, where that explains the keyframes better:
+/// a plane, for one, shows two motions in two pictures.
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::compare_start() {
+  compared_ = true;
+  if (cost_of(now()) < cost_of(before_)) return;
+  now() = before_;
+  ++corrected_;
+  left_ = 1;
 }
 
 /// Inverse depths in the first of the two keyframes. Scales them, and the motion, to the median
