@@ -16,7 +16,7 @@ namespace cairn {
 /// stamp any stamp is in order.
 class InputClock {
  public:
-  enum class Source : std::uint8_t { kFrame, kOdometry };
+  enum class Source : std::uint8_t { kFrame, kOdometry, kGyro };
   static constexpr int kStubborn = 30;
 
   void reset(std::int64_t max_step_us) {
