@@ -54,6 +54,13 @@ struct Normal {
       gradient(r) += u * x + v * y;
     }
   }
+  void add_attitude(const Quaternion<T>& expected, const Quaternion<T>& present, T weight) {
+    const Vector3<T> left = rotation_log(expected * present.conjugate());
+    for (int r = 0; r < 3; ++r) {
+      information(r, r) += weight;
+      gradient(r) += weight * left(r);
+    }
+  }
   bool inverse(Matrix<T, 6, 6>& result) {
     // Turn and translation are nearly the same where little depth is known: a little of Levenberg's
     // damping keeps the step finite.
@@ -84,6 +91,9 @@ int estimate_window_pose(WindowSighting<T>* sightings, int count,
       const T distance = sqrt(at.distance);
       const T weight = distance < options.huber_sigma ? T(1) : options.huber_sigma / distance;
       normal.add(at, sightings[i].rho, weight);
+    }
+    if (options.attitude_information > T(0)) {
+      normal.add_attitude(options.attitude, pose.rotation, options.attitude_information);
     }
     if (!normal.inverse(inverse)) return -1;
     const Vector<T, 6> step = inverse * normal.gradient;

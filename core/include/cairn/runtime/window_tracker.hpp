@@ -6,6 +6,7 @@
 #include "cairn/base/hash.hpp"
 #include "cairn/geometry/focal_scale.hpp"
 #include "cairn/tracking/frame_input.hpp"
+#include "cairn/tracking/handheld_gyro.hpp"
 #include "cairn/tracking/handheld_rotation.hpp"
 #include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
@@ -63,6 +64,8 @@ class WindowTracker {
     typename Features::Parameters features;
     HandheldRotation::Parameters rotation;
     typename Memory::Parameters memory;
+    GyroParameters gyro;       ///< of the samples, where there are any
+    int guided_inliers = 5;    ///< with a gyroscope that agrees, in place of min_inliers
     float forget_s = 30.0F;    ///< after a loss; where nothing was recognised, the new map counts
     int astray_features = 10;  ///< searched in frames of which the memory takes points
     float keyframe_parallax_px = 12.0F;  ///< mean since the last keyframe, its rotation apart
@@ -87,7 +90,8 @@ class WindowTracker {
     Status validate() const {
       const auto share = [](float v) { return v >= 0.0F && v <= 1.0F; };
       const bool parts = ok(window.validate()) && ok(features.validate()) &&
-                         ok(rotation.validate()) && ok(memory.validate());
+                         ok(rotation.validate()) && ok(memory.validate()) && ok(gyro.validate()) &&
+                         guided_inliers >= 4;
       const bool good = parts && is_positive(sigma_px) && is_positive(keyframe_parallax_px) &&
                         share(keyframe_share) && keyframe_frames >= 1 && is_finite(standing_px) &&
                         standing_px >= 0.0F && min_inliers >= 4 && share(min_inlier_share) &&
@@ -123,6 +127,14 @@ class WindowTracker {
   Status process_frame(const ImageView& image, std::int64_t t_us, const TickSource& ticks,
                        FrameReport& report);
 
+  /// A gyroscope's sample, as GyroIntegrator::add(); those up to a frame's time come before it. Its
+  /// turns then say where to search, once they agree with the pictures' they are measurements too,
+  /// and bias and time offset are estimated. Without samples the video alone is used.
+  /// kNotInitialised.
+  Status add_angular_rate(const AngularRateSample& sample) {
+    return input_.initialised() ? gyro_.add(sample, health_) : Status::kNotInitialised;
+  }
+
   /// As HandheldTracker::set_work_limit().
   Status set_work_limit(int units) { return work_.set_limit(units); }
 
@@ -141,6 +153,8 @@ class WindowTracker {
   const Window& window() const { return window_; }
   const Health& health() const { return health_; }
   const Library& library() const { return memory_.library(); }
+  /// Samples, bias, time offset, and whether the gyroscope turns as the pictures do.
+  const HandheldGyro& gyro() const { return gyro_; }
   /// Whether the map was begun anew and its place in the library's is not known yet.
   bool astray() const { return astray_; }
   TrackingState state() const { return state_; }
@@ -175,8 +189,18 @@ class WindowTracker {
 
   Status track(FrameContext& frame, const FrameStep& step, StageTimer& timer);
   Rigid<float> predict(FrameContext& frame, const FrameStep& step);
-  void find_features(FrameContext& frame, const Rigid<float>& predicted);
+  void find_features(FrameContext& frame, const FrameStep& step, const Rigid<float>& predicted);
   bool search(FrameContext& frame, const Rigid<float>& predicted, int first, int last, int radius);
+  int first_radius(const FrameContext& frame, const FrameStep& step) const;
+  bool first_agree(FrameContext& frame, Rigid<float>& pose);
+  WindowPoseOptions<float> pose_options(const Rigid<float>& predicted) const;
+  int least_inliers() const {
+    return gyro_.sure() ? parameters_.guided_inliers : parameters_.min_inliers;
+  }
+  void compare_gyro(const Rigid<float>& predicted, const Rigid<float>& pose);
+  void note_gyro_frame(const FrameStep& step, std::int64_t t_us);
+  void note_gyro_keyframe();
+  void bridge(FrameContext& frame);
   Vector2<float> expected_pixel(const WindowFeature& feature, const Rigid<float>& predicted) const;
   int gather(WindowSighting<float>* sightings, int* features) const;
   int estimate(FrameContext& frame, const Rigid<float>& predicted, Rigid<float>& pose);
@@ -208,6 +232,7 @@ class WindowTracker {
   Features features_;
   Memory memory_;
   WindowMotion motion_;
+  HandheldGyro gyro_;
   HandheldRotation rotation_;
   FrameInput input_;
   RepeatedImage repeated_;
@@ -223,8 +248,10 @@ class WindowTracker {
   Matrix3<float> attitude_[WindowBounds::kPoses];          ///< of keyframes, in world axes
   Matrix3<float> lost_attitude_ = Matrix3<float>::Zero();  ///< when tracking was lost
   float blind_s_ = 0.0F;
+  float blind_variance_ = 0.0F;  ///< of the turn while a gyroscope told it, rad^2
   float typical_inverse_depth_ = 0.0F;
   float astray_s_ = 0.0F;
+  float guided_information_ = 0.0F;  ///< of the frame's attitude, that a gyroscope added
   bool astray_ = false;
   bool returned_ = false;      ///< to the map, since the last loss
   bool takes_points_ = false;  ///< the memory takes points of this frame
@@ -241,6 +268,8 @@ class WindowTracker {
 
 }  // namespace cairn
 
+#include "cairn/runtime/detail/window_tracker_gyro.hpp"
 #include "cairn/runtime/detail/window_tracker_impl.hpp"
 #include "cairn/runtime/detail/window_tracker_map.hpp"
 #include "cairn/runtime/detail/window_tracker_memory.hpp"
+#include "cairn/runtime/detail/window_tracker_search.hpp"

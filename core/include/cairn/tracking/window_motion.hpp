@@ -30,6 +30,12 @@ class WindowMotion {
                               float dt_s) const {
     return moved(T_camera_world, -rotation, dt_s);
   }
+  /// Turned as predict_turned(), from where the camera was.
+  static Rigid<float> turned(const Rigid<float>& T_camera_world, const Vector3<float>& rotation) {
+    return WindowMotion().moved(T_camera_world, -rotation, 0.0F);
+  }
+  /// Whether a velocity is known.
+  bool moves() const { return velocity_.squaredNorm() > 0.0F; }
   /// In the axes of the camera, rad/s.
   Vector3<float> rate_radps() const { return -phi_; }
   float speed() const { return sqrt(velocity_.squaredNorm()); }

@@ -64,6 +64,8 @@ struct WindowParameters {
 /// with; what windows that left said of it is kept (FocalBelief). A pose that is fixed is so for a
 /// given focal length: it moves with it as it would have when it was estimated.
 ///
+/// A gyroscope's turn from one keyframe to the next is one more observation, where it is given.
+///
 /// Poses are T_camera_world. Directions are (x / z, y / z) without distortion, by the focal length
 /// as it is estimated when they are given or asked for. Work is spread:
 /// step() is one iteration, wanted while working(). Cost of a step: two passes over the
@@ -97,6 +99,10 @@ class KeyframeWindow {
   /// Begins a keyframe at a pose; the window makes room. Its landmarks follow by observe() and
   /// add_landmark(), then finish_keyframe().
   void begin_keyframe(const Rigid<T>& T_camera_world);
+  /// After begin_keyframe(): how the camera turned since the keyframe before, by a gyroscope.
+  /// R_before_newest, and the variance of each axis, rad^2, on the scale on which the landmarks'
+  /// errors are independent. Nothing happens in the first keyframe. Domain: variance > 0.
+  void set_turn(const Quaternion<T>& R_before_newest, T variance);
   /// The newest keyframe sees a landmark. Domain: a used slot.
   void observe(int slot, const Vector2<T>& seen);
   /// The same of a direction that the frame's pose does not explain: used for the start alone.
@@ -208,6 +214,12 @@ class KeyframeWindow {
     T focal = T(1);
   };
   using Reduced = LandmarkEquation<T, kMaxStates>;
+  /// How a keyframe is turned from the one before it in the window, by a gyroscope.
+  struct Turn {
+    bool known = false;
+    Quaternion<T> rotation = Quaternion<T>(T(1), T(0), T(0), T(0));  ///< R_present_before
+    T variance = T(1);
+  };
 
   const Solution& now() const { return solution_; }
   Solution& now() { return solution_; }
@@ -215,6 +227,7 @@ class KeyframeWindow {
   int free_place();
   int free_pose();
   void drop(int index);
+  void join_turns(int index);
   int worst_keyframe(const Rigid<T>& newest) const;
   int fixed() const { return started_ > kKeyframes ? 2 : 1; }
   int pose_states() const { return order_.size() > fixed() ? 6 * (order_.size() - fixed()) : 0; }
@@ -234,6 +247,8 @@ class KeyframeWindow {
   T build(const Solution& solution, const int* states);
   void add_pair(const Solution& solution, int host, int place, const int* states, T& cost);
   T cost_of(const Solution& solution) const;
+  Vector3<T> turn_left(const Solution& solution, int index, T& distance) const;
+  void add_turn(const Solution& solution, int index, const int* states, T& cost);
   bool iterate(Solution& solution, T& damping, T& before, T& cost);
   void improve();
   EpipolarOptions<T> start_options() const;
@@ -255,6 +270,7 @@ class KeyframeWindow {
   Vector2<T> observed_[kKeyframes][kLandmarks];
   FixedVector<std::int8_t, kKeyframes> order_;  ///< places, oldest first
   std::int8_t slot_of_[kKeyframes] = {};        ///< place to pose
+  Turn turns_[kKeyframes] = {};                 ///< of each place
   bool pose_used_[kPoses] = {};
   Solution solution_ = {};
   Solution before_ = {};  ///< the start was corrected; what it was until the two are compared
@@ -289,3 +305,4 @@ class KeyframeWindow {
 #include "cairn/window/detail/window_equations.hpp"
 #include "cairn/window/detail/window_iteration.hpp"
 #include "cairn/window/detail/window_start.hpp"
+#include "cairn/window/detail/window_turns.hpp"

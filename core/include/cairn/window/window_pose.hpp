@@ -27,6 +27,10 @@ struct WindowPoseOptions {
   T cut_sigma = T(5);       ///< beyond it no weight, in the second half of the iterations
   T inlier_gate = T(11.8);  ///< squared distance, chi-square of 2 degrees of freedom, 99.7 %
   int max_iterations = 10;
+  /// Of the camera's attitude, by a gyroscope: R_camera_world and 1 / variance of each axis,
+  /// 1/rad^2; 0: nothing is known of it.
+  Quaternion<T> attitude = Quaternion<T>(T(1), T(0), T(0), T(0));
+  T attitude_information = T(0);
 };
 
 /// Pose of a frame from landmarks that it sees, by iterated reweighted least squares. A landmark's

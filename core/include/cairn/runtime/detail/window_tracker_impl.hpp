@@ -20,6 +20,7 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   features_.reset(scaled.features);
   memory_.reset(scaled.memory);
   motion_.reset();
+  gyro_.reset(parameters.gyro);
   rotation_.reset(parameters.rotation);
   input_.reset(parameters.max_step_us);
   repeated_.reset();
@@ -34,7 +35,7 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   covariance_.setZero();
   for (Matrix3<float>& attitude : attitude_) attitude.setZero();
   lost_attitude_.setZero();
-  blind_s_ = typical_inverse_depth_ = astray_s_ = 0.0F;
+  blind_s_ = blind_variance_ = typical_inverse_depth_ = astray_s_ = 0.0F;
   astray_ = returned_ = takes_points_ = false;
   inliers_ = weak_frames_ = since_keyframe_ = frames_without_step_ = keyframe_work_ = 0;
   return Status::kOk;
@@ -59,7 +60,7 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
     features_.begin(image);
     rotation_.take(frame);
     const FrameStep step = input_.accept(t_us, health_);
-    blind_s_ += static_cast<float>(step.us) * 1e-6F;
+    note_gyro_frame(step, t_us);
     timer.end(Stage::kPreprocess);
     if (window_.keyframes() == 0) {
       status = begin_anew(frame) ? Status::kOk : Status::kLowTexture;
@@ -86,7 +87,7 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
   const Rigid<float> predicted = predict(frame, step);
   timer.end(Stage::kPosePrediction);
   takes_points_ = takes_points(frame);
-  find_features(frame, predicted);
+  find_features(frame, step, predicted);
   timer.end(Stage::kFeatures);
   Rigid<float> pose;
   const int found = features_.found();
@@ -95,9 +96,10 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
   const float least = parameters_.min_inlier_share * static_cast<float>(found);
   ++since_keyframe_;
   Status status = step.gap ? Status::kTimeGap : Status::kOk;
-  const bool holds = inliers_ >= parameters_.min_inliers && static_cast<float>(inliers_) >= least;
+  const bool holds = inliers_ >= least_inliers() && static_cast<float>(inliers_) >= least;
   if (holds) {
     frame.report.inliers = inliers_;
+    compare_gyro(predicted, pose);
     accept(frame, pose, step);
     drop_missed(frame, pose);
     if (!takes_points_) keep_keyframes(frame);
@@ -106,7 +108,10 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
     status = found < parameters_.min_inliers ? Status::kLowTexture : Status::kNoConsensus;
     if (found < parameters_.min_inliers) ++health_.low_texture_frames;
     drop_missed(frame, predicted);
+    gyro_.note_weak();
+    if (gyro_.predicts()) T_camera_world_ = predicted;
     note_weak(frame);
+    if (state_ != TrackingState::kLost && gyro_.sure()) bridge(frame);
     if (state_ == TrackingState::kLost) status = Status::kLost;
   }
   seek_map(frame, step, holds);
@@ -117,96 +122,24 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
   return status;
 }
 
-/// With constant velocity and rate; where the whole picture turned otherwise, with its rotation.
+/// With constant velocity and rate; where the whole picture turned otherwise, with its rotation. A
+/// gyroscope that agrees with the pictures takes the place of both, one that is not proven yet that
+/// of the constant rate.
 template <class Config>
 Rigid<float> WindowTracker<Config>::predict(FrameContext& frame, const FrameStep& step) {
   const float dt_s = static_cast<float>(step.us) * 1e-6F;
   if (step.gap) motion_.forget();
+  if (gyro_.sure()) return motion_.predict_turned(T_camera_world_, gyro_.turn().rotation, dt_s);
   const float depth = typical_inverse_depth_ > 0.0F ? typical_inverse_depth_
                                                     : parameters_.window.first_inverse_depth;
-  if (!step.gap && rotation_.seek(frame, motion_.rate_radps(), motion_.speed(), depth, dt_s)) {
+  const bool by_gyro = gyro_.predicts() && !step.gap && step.us > 0;
+  const Vector3<float> rate =
+      by_gyro ? Vector3<float>(gyro_.turn().rotation / dt_s) : motion_.rate_radps();
+  if (!step.gap && rotation_.seek(frame, rate, motion_.speed(), depth, dt_s)) {
     return motion_.predict_turned(T_camera_world_, rotation_.rotation(), dt_s);
   }
+  if (by_gyro) return motion_.predict_turned(T_camera_world_, gyro_.turn().rotation, dt_s);
   return motion_.predict(T_camera_world_, dt_s);
-}
-
-/// Where the window expects a feature; relative to where it was, so that what its depth gets wrong
-/// counts only for the movement since.
-template <class Config>
-Vector2<float> WindowTracker<Config>::expected_pixel(const WindowFeature& feature,
-                                                     const Rigid<float>& predicted) const {
-  Vector2<float> before;
-  Vector2<float> after;
-  Vector2<float> pixel_before;
-  Vector2<float> pixel_after;
-  if (!window_.project(feature.slot, T_camera_world_, before) ||
-      !window_.project(feature.slot, predicted, after) ||
-      !ok(camera_.project(Vector3<float>(before.x(), before.y(), 1.0F), pixel_before)) ||
-      !ok(camera_.project(Vector3<float>(after.x(), after.y(), 1.0F), pixel_after))) {
-    return feature.pixel;
-  }
-  return feature.pixel + pixel_after - pixel_before;
-}
-
-template <class Config>
-bool WindowTracker<Config>::search(FrameContext& frame, const Rigid<float>& predicted, int first,
-                                   int last, int radius) {
-  const bool near = radius < parameters_.features.wide_radius_px;
-  const int each = work::template_search(radius) +
-                   (near ? 2 : 1) * work::template_search(parameters_.features.full_radius_px);
-  const bool window_waits = window_.working() && frames_without_step_ >= kMostWithoutStep;
-  const int later = work::window_pose(first) + 2 * work::window_pose(kMaxFeatures) +
-                    (window_waits ? window_.step_work() : 0) + reserved_;
-  for (int i = first; i < last; ++i) {
-    if (!frame.work.affords(each + later)) {
-      frame.work.raise_cut(i == 0 ? FrameCut::kPredictionOnly : FrameCut::kFewerUpdates);
-      return false;
-    }
-    const Vector2<float> expected = expected_pixel(features_[i], predicted);
-    if (near) {
-      features_.search_near(frame, i, expected, radius);
-    } else {
-      features_.search(frame, i, expected, radius);
-    }
-    ++frame.report.searched;
-  }
-  return true;
-}
-
-/// The first features are searched in wide windows. Where they agree on a pose, the others are
-/// close to where it expects them.
-template <class Config>
-void WindowTracker<Config>::find_features(FrameContext& frame, const Rigid<float>& predicted) {
-  const typename Features::Parameters& p = parameters_.features;
-  const int most = takes_points_ ? parameters_.astray_features : features_.size();
-  const int all = most < features_.size() ? most : features_.size();
-  const int first = p.first_features < all ? p.first_features : all;
-  reserved_ = keyframe_work_ < frame.work.left() / 2 ? keyframe_work_ : frame.work.left() / 2;
-  if (!search(frame, predicted, 0, first, p.wide_radius_px)) return;
-  Rigid<float> pose = predicted;
-  Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
-  WindowPoseOptions<float> options;
-  options.sigma = parameters_.window.sigma / window_.focal_scale();
-  const int found = gather(sightings_, sighted_);
-  frame.work.spend(work::window_pose(found));
-  const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
-  const bool agree = inliers >= parameters_.min_inliers && 4 * inliers >= 3 * found;
-  search(frame, agree ? pose : predicted, first, all,
-         agree ? p.narrow_radius_px : p.wide_radius_px);
-}
-
-template <class Config>
-int WindowTracker<Config>::gather(WindowSighting<float>* sightings, int* features) const {
-  int count = 0;
-  for (int i = 0; i < features_.size(); ++i) {
-    const WindowFeature& feature = features_[i];
-    if (!feature.found) continue;
-    const Vector3<float> ray = camera_.unproject(feature.pixel);
-    sightings[count] = window_.sighting(feature.slot);
-    sightings[count].seen = Vector2<float>(ray.x(), ray.y());
-    features[count++] = i;
-  }
-  return count;
 }
 
 /// From where the camera is predicted and, unless nearly all agree on that, from where it was; the
@@ -214,12 +147,12 @@ int WindowTracker<Config>::gather(WindowSighting<float>* sightings, int* feature
 template <class Config>
 int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& predicted,
                                     Rigid<float>& pose) {
-  WindowPoseOptions<float> options;
-  options.sigma = parameters_.window.sigma / window_.focal_scale();
+  const WindowPoseOptions<float> options = pose_options(predicted);
   const int found = gather(sightings_, sighted_);
   frame.work.spend(work::window_pose(found));
   pose = predicted;
   Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
+  guided_information_ = options.attitude_information;
   const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
   if (inliers >= 0) frame_covariance_ = covariance;
   if (inliers >= parameters_.min_inliers && 10 * inliers >= 9 * found) return inliers;
@@ -227,6 +160,7 @@ int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& pre
   bool inlier[kMaxFeatures];
   for (int i = 0; i < found; ++i) inlier[i] = sightings_[i].inlier;
   Rigid<float> standing = T_camera_world_;
+  if (gyro_.predicts()) standing = motion_.turned(T_camera_world_, gyro_.turn().rotation);
   const int from_standing = estimate_window_pose(sightings_, found, options, standing, covariance);
   if (from_standing > inliers) {
     pose = standing;
@@ -256,7 +190,7 @@ void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose
   motion_.note(T_camera_world_, pose, static_cast<float>(step.us) * 1e-6F);
   T_camera_world_ = pose;
   weak_frames_ = 0;
-  blind_s_ = 0.0F;
+  blind_s_ = blind_variance_ = 0.0F;
 }
 
 /// A keyframe seeks new landmarks in as many cells as the frame's work affords. Where those would

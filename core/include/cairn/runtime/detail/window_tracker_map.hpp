@@ -27,6 +27,7 @@ template <class Config>
 bool WindowTracker<Config>::make_keyframe(FrameContext& frame, bool moved) {
   frame.work.spend(work::kWindowNewest);
   window_.begin_keyframe(T_camera_world_);
+  note_gyro_keyframe();
   memory_.note_keyframe();
   for (int i = features_.size() - 1; i >= 0; --i) {
     if (!window_.used(features_[i].slot)) features_.remove(i);  // its host was given up
@@ -72,7 +73,7 @@ void WindowTracker<Config>::improve_window(FrameContext& frame) {
 template <class Config>
 void WindowTracker<Config>::note_weak(FrameContext& frame) {
   ++weak_frames_;
-  motion_.forget();
+  if (!gyro_.sure()) motion_.forget();
   state_ = TrackingState::kUncertain;
   if (weak_frames_ <= parameters_.weak_frames && features_.size() >= parameters_.min_inliers)
     return;
@@ -113,9 +114,10 @@ bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   weak_frames_ = 0;
   static_cast<void>(make_keyframe(frame, true));
   if (features_.size() >= parameters_.min_inliers) {
-    attitude_[window_.newest()] = lost_attitude_ + square(parameters_.blind_rate_radps * blind_s_) *
-                                                       Matrix3<float>::Identity();
-    blind_s_ = 0.0F;
+    attitude_[window_.newest()] =
+        lost_attitude_ + (square(parameters_.blind_rate_radps * blind_s_) + blind_variance_) *
+                             Matrix3<float>::Identity();
+    blind_s_ = blind_variance_ = 0.0F;
     if (!first) ++health_.resets;
     return true;
   }
@@ -155,7 +157,7 @@ void WindowTracker<Config>::update_covariance() {
   const Matrix3<float> R_world_camera = T_camera_world_.rotation.conjugate().toRotationMatrix();
   const Vector3<float> turned = rotation_log(T_camera_world_.rotation);
   const float unknown = square(parameters_.lens_sigma) * turned.squaredNorm() +
-                        square(parameters_.blind_rate_radps * blind_s_);
+                        square(parameters_.blind_rate_radps * blind_s_) + blind_variance_;
   covariance_ = Matrix<float, 6, 6>::Zero();
   const Matrix<float, 6, 6> own = inflation * (frame_covariance_ + newest);
   covariance_.topLeftCorner<3, 3>() = own.bottomRightCorner<3, 3>();

@@ -61,6 +61,7 @@ void WindowTracker<Config>::return_to_map(FrameContext& frame) {
   features_.clear();
   motion_.forget_velocity();
   window_.begin_keyframe(T_camera_world_);
+  note_gyro_keyframe();
   memory_.take_place(frame, window_, features_);
   observe_features();
   static_cast<void>(features_.add(frame, window_, next_id_));
@@ -68,7 +69,7 @@ void WindowTracker<Config>::return_to_map(FrameContext& frame) {
   window_.finish_keyframe();
   since_keyframe_ = weak_frames_ = 0;
   attitude_[window_.newest()] = lost_attitude_;
-  blind_s_ = 0.0F;
+  blind_s_ = blind_variance_ = 0.0F;
   astray_ = false;
   returned_ = true;
   state_ = TrackingState::kTracking;

@@ -80,6 +80,7 @@ void KeyframeWindow<T, Bounds>::drop(int index) {
     landmark.doubted = static_cast<std::uint8_t>(landmark.doubted & ~flag);
   }
   belief_.leave(order_[index]);
+  join_turns(index);
   for (int i = index; i + 1 < order_.size(); ++i) order_[i] = order_[i + 1];
   order_.pop_back();
 }
@@ -124,6 +125,7 @@ void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
   const int place = free_place();
   const int pose = free_pose();
   slot_of_[place] = static_cast<std::int8_t>(pose);
+  turns_[place].known = false;
   order_.push_back(static_cast<std::int8_t>(place));
   ++started_;
   new_depth_ = T(0);

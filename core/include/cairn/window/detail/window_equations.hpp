@@ -198,6 +198,9 @@ T KeyframeWindow<T, Bounds>::build(const Solution& solution, const int* states) 
       if (slot_of_[place] != host) add_pair(solution, host, place, states, cost);
     }
   }
+  for (int i = fixed(); i < order_.size(); ++i) {
+    if (turns_[order_[i]].known) add_turn(solution, i, states, cost);
+  }
   for (int slot = 0; slot < kLandmarks; ++slot) {
     Reduced& reduced = reduced_[slot];
     if (!reduced.used) continue;
@@ -241,6 +244,12 @@ T KeyframeWindow<T, Bounds>::cost_of(const Solution& solution) const {
             detail::window_cost(sqrt(residual.squaredNorm()) * per_sigma, parameters_.huber_sigma);
       }
     }
+  }
+  for (int i = fixed(); i < order_.size(); ++i) {
+    if (!turns_[order_[i]].known) continue;
+    T distance = T(0);
+    static_cast<void>(turn_left(solution, i, distance));
+    cost += detail::window_cost(distance, parameters_.huber_sigma);
   }
   return cost;
 }
