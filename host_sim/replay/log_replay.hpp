@@ -32,11 +32,12 @@ class LogFile {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-/// A frame of a log and the odometry since the frame before.
+/// A frame of a log, with the odometry and the gyroscope's samples since the frame before.
 struct ReplayFrame {
   LogFrame log;
   MutableImageView image;  ///< may be drawn into once it was processed
   std::vector<OdometrySample> odometry;
+  std::vector<AngularRateSample> gyro;
 };
 
 /// Whether the tracker of these capacities takes the camera's images.
@@ -49,8 +50,11 @@ bool fits(const PinholeCamera<float>& camera) {
 template <class Tracker>
 void process_frame(const ReplayFrame& frame, Tracker& tracker, const TickSource& ticks,
                    FrameReport& report) {
+  // A sample that is refused is in the tracker's counters, and so in the hash.
+  for (const AngularRateSample& sample : frame.gyro) {
+    static_cast<void>(replay_angular_rate(sample, tracker));
+  }
   for (const OdometrySample& sample : frame.odometry) {
-    // A sample that is refused is in the tracker's counters, and so in the hash.
     static_cast<void>(replay_odometry(sample, tracker));
   }
   replay_work_limit(frame.log, tracker);
@@ -81,8 +85,13 @@ Status replay_on(InputLogReader<LogFile>& reader, const InputLogHeader& header, 
       frame.odometry.push_back(sample);
       continue;
     }
+    if (event == LogEvent::kAngularRate) {
+      frame.gyro.push_back(reader.angular_rate());
+      continue;
+    }
     on_frame(frame, *tracker);
     frame.odometry.clear();
+    frame.gyro.clear();
   }
 }
 

@@ -83,6 +83,7 @@ struct Replay {
   Status status = Status::kOk;
   InputLogHeader header;
   std::vector<OdometrySample> samples;
+  std::vector<AngularRateSample> rates;
   std::vector<LogFrame> frames;
   std::vector<std::vector<std::uint8_t>> images;
 };
@@ -100,12 +101,78 @@ Replay read_log(Memory memory) {
     replay.status = reader.next(event, sample, frame, {pixels.data(), kWidth, kHeight, kWidth});
     if (!ok(replay.status) || event == LogEvent::kEnd) break;
     if (event == LogEvent::kOdometry) replay.samples.push_back(sample);
+    if (event == LogEvent::kAngularRate) replay.rates.push_back(reader.angular_rate());
     if (event == LogEvent::kFrame) {
       replay.frames.push_back(frame);
       replay.images.push_back(pixels);
     }
   }
   return replay;
+}
+
+InputLogHeader make_gyro_header() {
+  InputLogHeader header = make_header();
+  header.mode = LogMode::kHandheld;
+  header.filter = LogFilter::kWindow;
+  header.focal_sigma_e4 = 1000;
+  header.with_gyro = true;
+  header.gyro.R_camera_gyro = Quaternion<float>(0.5F, 0.5F, -0.5F, 0.5F);
+  header.gyro.noise_density = 2e-4F;
+  header.gyro.bias_sigma_radps = 0.03F;
+  header.gyro.bias_walk = 2e-5F;
+  header.gyro.scale_sigma = 0.02F;
+  header.gyro.time_sigma_s = 0.004F;
+  header.gyro.range_radps = 8.7F;
+  header.gyro.max_gap_us = 20000;
+  return header;
+}
+
+Memory make_gyro_log(const InputLogHeader& header) {
+  Memory memory;
+  InputLogWriter<Memory> writer(memory);
+  EXPECT_EQ(writer.begin(header), Status::kOk);
+  EXPECT_EQ(writer.angular_rate({1234567890123, {0.5F, -1.5F, 2.5F}}), Status::kOk);
+  const auto pixels = make_pixels(0);
+  EXPECT_EQ(writer.frame({7, 1234567890200}, {pixels.data(), kWidth, kHeight, kWidth}),
+            Status::kOk);
+  EXPECT_EQ(writer.end(), Status::kOk);
+  return memory;
+}
+
+TEST(InputLog, CarriesAGyroscope) {
+  for (const bool with_lens : {false, true}) {
+    InputLogHeader expected = make_gyro_header();
+    if (with_lens) expected.camera.k5 = 0.01F;
+    const Replay replay = read_log(make_gyro_log(expected));
+    ASSERT_EQ(replay.status, Status::kOk);
+    ASSERT_TRUE(replay.header.with_gyro);
+    EXPECT_EQ(replay.header.focal_sigma_e4, 1000);
+    EXPECT_EQ(replay.header.camera.k5, expected.camera.k5);
+    const GyroParameters& gyro = replay.header.gyro;
+    EXPECT_EQ(gyro.R_camera_gyro.coeffs(), expected.gyro.R_camera_gyro.coeffs());
+    EXPECT_EQ(gyro.noise_density, expected.gyro.noise_density);
+    EXPECT_EQ(gyro.bias_sigma_radps, expected.gyro.bias_sigma_radps);
+    EXPECT_EQ(gyro.bias_walk, expected.gyro.bias_walk);
+    EXPECT_EQ(gyro.scale_sigma, expected.gyro.scale_sigma);
+    EXPECT_EQ(gyro.time_sigma_s, expected.gyro.time_sigma_s);
+    EXPECT_EQ(gyro.range_radps, expected.gyro.range_radps);
+    EXPECT_EQ(gyro.max_gap_us, expected.gyro.max_gap_us);
+    ASSERT_EQ(replay.rates.size(), 1U);
+    EXPECT_EQ(replay.rates[0].t_us, 1234567890123);
+    EXPECT_EQ(replay.rates[0].rate_radps, Vector3<float>(0.5F, -1.5F, 2.5F));
+    EXPECT_EQ(replay.frames.size(), 1U);
+  }
+}
+
+TEST(InputLog, RefusesAGyroscopeThatIsImpossibleAndSamplesWithoutOne) {
+  InputLogHeader header = make_gyro_header();
+  header.gyro.noise_density = -1.0F;
+  Memory memory;
+  InputLogWriter<Memory> writer(memory);
+  EXPECT_EQ(writer.begin(header), Status::kBadConfig);
+  header = make_gyro_header();
+  header.with_gyro = false;
+  EXPECT_EQ(read_log(make_gyro_log(header)).status, Status::kCorrupt);
 }
 
 TEST(InputLog, ReadsBackWhatWasWritten) {

@@ -202,6 +202,11 @@ int replay(File& file, const Options& options) {
       odometry.add(sample);
       continue;
     }
+    if (event == cairn::LogEvent::kAngularRate) {
+      // A sample that is refused is in the tracker's counters, and so in the hash.
+      static_cast<void>(cairn::replay_angular_rate(reader.angular_rate(), tracker));
+      continue;
+    }
     cairn::FrameReport report;
     const FrameTicks ticks = process(frame, image, options, report);
     print_frame(frame, report);

@@ -42,7 +42,7 @@ Status ClipReader::open(const std::uint8_t* clip, std::size_t size, cairn::Input
   std::uint8_t bytes[kLogHeaderBytes];
   copy(record.payload, bytes);
   const Status status =
-      decode_header(bytes, has_lens ? record.payload + kLogHeaderBytes : nullptr, header);
+      decode_header(bytes, has_lens ? record.payload + kLogHeaderBytes : nullptr, nullptr, header);
   if (!ok(status)) return status;
   width_ = header.camera.width;
   height_ = header.camera.height;

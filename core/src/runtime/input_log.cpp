@@ -72,7 +72,8 @@ bool is_within(float value, float low, float high) {
   return value >= low && value <= high;  // false for NaN
 }
 
-std::uint16_t version_of(bool with_focal, bool with_lens) {
+std::uint16_t version_of(bool with_gyro, bool with_focal, bool with_lens) {
+  if (with_gyro) return kInputLogGyroVersion;
   if (with_focal) return kInputLogFocalVersion;
   return with_lens ? kInputLogLensVersion : kInputLogVersion;
 }
@@ -100,7 +101,8 @@ Status InputLogHeader::validate() const {
   const bool rates = is_within(odometry_period_s, 1e-4F, 1e2F) &&
                      is_within(frame_rate_hz, 1e-2F, 1e4F) && is_within(fading, 1.0F, 2.0F) &&
                      focal_sigma_e4 <= 10000;
-  return places && noises && rates && tilt.valid() ? Status::kOk : Status::kBadConfig;
+  return places && noises && rates && tilt.valid() && ok(gyro.validate()) ? Status::kOk
+                                                                          : Status::kBadConfig;
 }
 
 namespace detail {
@@ -139,7 +141,7 @@ Status decode_record_head(const std::uint8_t (&bytes)[kLogRecordHeadBytes], LogR
                           std::uint32_t& payload_bytes) {
   Unpacker unpack(bytes);
   const std::uint32_t value = unpack.u32();
-  if (value < 1U || value > 4U) return Status::kCorrupt;
+  if (value < 1U || value > 5U) return Status::kCorrupt;
   type = static_cast<LogRecord>(value);
   payload_bytes = unpack.u32();
   return Status::kOk;
@@ -166,7 +168,7 @@ void encode_lens(const PinholeCamera<float>& camera, std::uint8_t (&bytes)[kLogL
 void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]) {
   std::memset(bytes, 0, kLogHeaderBytes);
   Packer pack(bytes);
-  pack.u16(version_of(header.focal_sigma_e4 > 0, has_lens_bytes(header.camera)));
+  pack.u16(version_of(header.with_gyro, header.focal_sigma_e4 > 0, has_lens_bytes(header.camera)));
   pack.u8(static_cast<std::uint8_t>(header.mode));
   pack.u8(static_cast<std::uint8_t>(header.filter));
   pack.u8(static_cast<std::uint8_t>(header.odometry_kind));
@@ -193,12 +195,40 @@ void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeade
   }
 }
 
+void encode_gyro(const GyroParameters& gyro, std::uint8_t (&bytes)[kLogGyroBytes]) {
+  Packer pack(bytes);
+  const Quaternion<float>& q = gyro.R_camera_gyro;
+  for (const float value :
+       {q.w(), q.x(), q.y(), q.z(), gyro.noise_density, gyro.bias_sigma_radps, gyro.bias_walk,
+        gyro.scale_sigma, gyro.time_sigma_s, gyro.range_radps}) {
+    pack.f32(value);
+  }
+  pack.u64(static_cast<std::uint64_t>(gyro.max_gap_us));
+}
+
+namespace {
+
+void decode_gyro(const std::uint8_t* bytes, GyroParameters& gyro) {
+  Unpacker unpack(bytes);
+  Quaternion<float>& q = gyro.R_camera_gyro;
+  for (float* value : {&q.w(), &q.x(), &q.y(), &q.z(), &gyro.noise_density, &gyro.bias_sigma_radps,
+                       &gyro.bias_walk, &gyro.scale_sigma, &gyro.time_sigma_s, &gyro.range_radps}) {
+    *value = unpack.f32();
+  }
+  gyro.max_gap_us = static_cast<std::int64_t>(unpack.u64());
+}
+
+}  // namespace
+
 Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::uint8_t* lens,
-                     InputLogHeader& header) {
+                     const std::uint8_t* gyro, InputLogHeader& header) {
   Unpacker unpack(bytes);
   const std::uint16_t version = unpack.u16();
-  const bool with_focal = version == kInputLogFocalVersion;
-  if (version != version_of(with_focal, lens != nullptr)) return Status::kVersionMismatch;
+  const bool with_gyro = version == kInputLogGyroVersion;
+  const bool with_focal = with_gyro || version == kInputLogFocalVersion;
+  if (with_gyro != (gyro != nullptr) ||
+      version != version_of(with_gyro, with_focal, lens != nullptr))
+    return Status::kVersionMismatch;
   const std::uint8_t mode = unpack.u8();
   const std::uint8_t filter = unpack.u8();
   const std::uint8_t odometry_kind = unpack.u8();
@@ -227,6 +257,8 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::ui
     if (model > 1U) return Status::kBadConfig;
     c.lens = static_cast<Lens>(model);
   }
+  header.with_gyro = with_gyro;
+  if (with_gyro) decode_gyro(gyro, header.gyro);
   Rigid<float>& T = header.T_vehicle_camera;
   for (float* value : {&T.rotation.w(), &T.rotation.x(), &T.rotation.y(), &T.rotation.z(),
                        &T.translation.x(), &T.translation.y(), &T.translation.z()}) {
@@ -260,6 +292,20 @@ Status decode_odometry(const std::uint8_t (&bytes)[kLogOdometryBytes], OdometryS
   sample.speed_mps = unpack.f32();
   sample.turn = unpack.f32();
   return Status::kOk;
+}
+
+void encode_angular_rate(const AngularRateSample& sample,
+                         std::uint8_t (&bytes)[kLogAngularRateBytes]) {
+  Packer pack(bytes);
+  pack.u64(static_cast<std::uint64_t>(sample.t_us));
+  for (int i = 0; i < 3; ++i) pack.f32(sample.rate_radps(i));
+}
+
+void decode_angular_rate(const std::uint8_t (&bytes)[kLogAngularRateBytes],
+                         AngularRateSample& sample) {
+  Unpacker unpack(bytes);
+  sample.t_us = static_cast<std::int64_t>(unpack.u64());
+  for (int i = 0; i < 3; ++i) sample.rate_radps(i) = unpack.f32();
 }
 
 void encode_frame_head(const LogFrame& frame, int width, int height,

@@ -6,6 +6,7 @@
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/planar/tilt.hpp"
+#include "cairn/tracking/angular_rate.hpp"
 #include "cairn/tracking/frame_report.hpp"
 #include "cairn/vision/image.hpp"
 
@@ -16,10 +17,13 @@ namespace cairn {
 /// payload, u32 CRC-32 (IEEE 802.3) of all before it in the record}: one header, then odometry and
 /// frames in time order, then one end record with their counts. A log of a rational or a fisheye
 /// lens has a header with 16 bytes more and version kInputLogLensVersion; one whose focal length is
-/// estimated, with either header, has kInputLogFocalVersion.
+/// estimated, with either header, has kInputLogFocalVersion; one with a gyroscope has
+/// 48 bytes more behind either, its samples among the odometry's and frames, and
+/// kInputLogGyroVersion.
 inline constexpr std::uint16_t kInputLogVersion = 3;
 inline constexpr std::uint16_t kInputLogLensVersion = 4;
 inline constexpr std::uint16_t kInputLogFocalVersion = 5;
+inline constexpr std::uint16_t kInputLogGyroVersion = 6;
 
 enum class LogMode : std::uint8_t { kVehicle = 0, kHandheld = 1 };
 enum class LogFilter : std::uint8_t {
@@ -55,6 +59,8 @@ struct InputLogHeader {
   float start_position_variance = 0.0F;
   float start_heading_variance = 0.0F;
   TiltParameters<float> tilt;  ///< of the vehicle's body
+  bool with_gyro = false;      ///< the log has samples of a gyroscope
+  GyroParameters gyro;
 
   /// kBadConfig unless every value is finite and in its domain.
   Status validate() const;
@@ -68,7 +74,7 @@ struct LogFrame {
   std::int32_t work_limit = kOwnWorkLimit;  ///< units (WorkBudget), or the tracker's own
 };
 
-enum class LogEvent : std::uint8_t { kOdometry, kFrame, kEnd };
+enum class LogEvent : std::uint8_t { kOdometry, kFrame, kEnd, kAngularRate };
 
 namespace detail {
 
@@ -76,11 +82,19 @@ inline constexpr int kLogMagicBytes = 8;
 inline constexpr int kLogRecordHeadBytes = 8;
 inline constexpr int kLogHeaderBytes = 148;
 inline constexpr int kLogLensBytes = 16;  // k4, k5, k6, u32 lens
+inline constexpr int kLogGyroBytes = 48;  // R_camera_gyro, six numbers, u64 gap
 inline constexpr int kLogOdometryBytes = 20;
+inline constexpr int kLogAngularRateBytes = 20;
 inline constexpr int kLogFrameHeadBytes = 20;
 inline constexpr int kLogEndBytes = 8;
 
-enum class LogRecord : std::uint8_t { kHeader = 1, kOdometry = 2, kFrame = 3, kEnd = 4 };
+enum class LogRecord : std::uint8_t {
+  kHeader = 1,
+  kOdometry = 2,
+  kFrame = 3,
+  kEnd = 4,
+  kAngularRate = 5
+};
 
 /// CRC-32 as zlib's crc32(): start with 0, feed the result back in.
 std::uint32_t crc32(std::uint32_t crc, const std::uint8_t* bytes, int count);
@@ -98,13 +112,19 @@ std::uint32_t decode_u32(const std::uint8_t (&bytes)[4]);
 bool has_lens_bytes(const PinholeCamera<float>& camera);
 void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]);
 void encode_lens(const PinholeCamera<float>& camera, std::uint8_t (&bytes)[kLogLensBytes]);
-/// `lens`: the kLogLensBytes behind the header, or null. kVersionMismatch, or kBadConfig as
-/// InputLogHeader::validate().
+void encode_gyro(const GyroParameters& gyro, std::uint8_t (&bytes)[kLogGyroBytes]);
+/// `lens`, `gyro`: the kLogLensBytes and kLogGyroBytes behind the header, or null.
+/// kVersionMismatch, or kBadConfig as InputLogHeader::validate().
 Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::uint8_t* lens,
-                     InputLogHeader& header);
+                     const std::uint8_t* gyro, InputLogHeader& header);
 void encode_odometry(const OdometrySample& sample, std::uint8_t (&bytes)[kLogOdometryBytes]);
 /// kCorrupt for an unknown kind. The numbers are the tracker's to judge.
 Status decode_odometry(const std::uint8_t (&bytes)[kLogOdometryBytes], OdometrySample& sample);
+void encode_angular_rate(const AngularRateSample& sample,
+                         std::uint8_t (&bytes)[kLogAngularRateBytes]);
+/// The numbers are the tracker's to judge.
+void decode_angular_rate(const std::uint8_t (&bytes)[kLogAngularRateBytes],
+                         AngularRateSample& sample);
 void encode_frame_head(const LogFrame& frame, int width, int height,
                        std::uint8_t (&bytes)[kLogFrameHeadBytes]);
 void decode_frame_head(const std::uint8_t (&bytes)[kLogFrameHeadBytes], LogFrame& frame, int& width,
@@ -133,12 +153,22 @@ class InputLogWriter {
     if (!sink_.write(magic, detail::kLogMagicBytes)) return Status::kFull;
     std::uint8_t bytes[detail::kLogHeaderBytes];
     detail::encode_header(header, bytes);
-    if (!detail::has_lens_bytes(header.camera)) return record(detail::LogRecord::kHeader, bytes);
-    std::uint8_t lens[detail::kLogLensBytes];
-    detail::encode_lens(header.camera, lens);
-    open_record(detail::LogRecord::kHeader, detail::kLogHeaderBytes + detail::kLogLensBytes);
+    const bool with_lens = detail::has_lens_bytes(header.camera);
+    const int more =
+        (with_lens ? detail::kLogLensBytes : 0) + (header.with_gyro ? detail::kLogGyroBytes : 0);
+    open_record(detail::LogRecord::kHeader,
+                static_cast<std::uint32_t>(detail::kLogHeaderBytes + more));
     put(bytes, detail::kLogHeaderBytes);
-    put(lens, detail::kLogLensBytes);
+    if (with_lens) {
+      std::uint8_t lens[detail::kLogLensBytes];
+      detail::encode_lens(header.camera, lens);
+      put(lens, detail::kLogLensBytes);
+    }
+    if (header.with_gyro) {
+      std::uint8_t gyro[detail::kLogGyroBytes];
+      detail::encode_gyro(header.gyro, gyro);
+      put(gyro, detail::kLogGyroBytes);
+    }
     return close_record();
   }
 
@@ -147,6 +177,14 @@ class InputLogWriter {
     detail::encode_odometry(sample, bytes);
     ++samples_;
     return record(detail::LogRecord::kOdometry, bytes);
+  }
+
+  /// Domain: the header has with_gyro.
+  Status angular_rate(const AngularRateSample& sample) {
+    std::uint8_t bytes[detail::kLogAngularRateBytes];
+    detail::encode_angular_rate(sample, bytes);
+    ++samples_;
+    return record(detail::LogRecord::kAngularRate, bytes);
   }
 
   /// kInvalidArgument unless the image has the size of the header's camera.
@@ -221,26 +259,35 @@ class InputLogReader {
     std::uint32_t size = 0;
     std::uint8_t bytes[detail::kLogHeaderBytes];
     std::uint8_t lens[detail::kLogLensBytes];
+    std::uint8_t gyro[detail::kLogGyroBytes];
     if (!ok(open_record(type, size)) || type != detail::LogRecord::kHeader) return Status::kCorrupt;
-    const bool has_lens = size == detail::kLogHeaderBytes + detail::kLogLensBytes;
-    if ((size != detail::kLogHeaderBytes && !has_lens) || !get(bytes, detail::kLogHeaderBytes) ||
-        (has_lens && !get(lens, detail::kLogLensBytes)) || !close_record()) {
+    const auto has = [size](int more) {
+      return size == static_cast<std::uint32_t>(detail::kLogHeaderBytes + more);
+    };
+    const bool has_both = has(detail::kLogLensBytes + detail::kLogGyroBytes);
+    const bool has_lens = has_both || has(detail::kLogLensBytes);
+    const bool has_gyro = has_both || has(detail::kLogGyroBytes);
+    if ((!has(0) && !has_lens && !has_gyro) || !get(bytes, detail::kLogHeaderBytes) ||
+        (has_lens && !get(lens, detail::kLogLensBytes)) ||
+        (has_gyro && !get(gyro, detail::kLogGyroBytes)) || !close_record()) {
       return Status::kCorrupt;
     }
     InputLogHeader decoded;
-    const Status status = detail::decode_header(bytes, has_lens ? lens : nullptr, decoded);
+    const Status status =
+        detail::decode_header(bytes, has_lens ? lens : nullptr, has_gyro ? gyro : nullptr, decoded);
     if (!ok(status)) return status;
     header = decoded;
     width_ = decoded.camera.width;
     height_ = decoded.camera.height;
+    with_gyro_ = has_gyro;
     opened_ = true;
     return Status::kOk;
   }
 
-  /// Next event. A sample goes to `sample`, a frame to `frame` and the pixels to `image`, whose
-  /// size must be the header camera's (kInvalidArgument). kCorrupt when the log is cut short or
-  /// damaged; outputs may then hold anything. kNotInitialised before open(). Bounded by the frame's
-  /// size.
+  /// Next event. A sample goes to `sample`, one of a gyroscope to angular_rate(), a frame to
+  /// `frame` and the pixels to `image`, whose size must be the header camera's (kInvalidArgument).
+  /// kCorrupt when the log is cut short or damaged; outputs may then hold anything. kNotInitialised
+  /// before open(). Bounded by the frame's size.
   Status next(LogEvent& event, OdometrySample& sample, LogFrame& frame, MutableImageView image) {
     if (!opened_) return Status::kNotInitialised;
     if (image.data == nullptr || image.width != width_ || image.height != height_ ||
@@ -261,13 +308,30 @@ class InputLogReader {
       case detail::LogRecord::kEnd:
         event = LogEvent::kEnd;
         return read_end(size);
+      case detail::LogRecord::kAngularRate:
+        event = LogEvent::kAngularRate;
+        return with_gyro_ ? read_angular_rate(size) : Status::kCorrupt;
       case detail::LogRecord::kHeader:
         break;
     }
     return Status::kCorrupt;
   }
 
+  /// The gyroscope's sample of the last event, kAngularRate.
+  const AngularRateSample& angular_rate() const { return angular_rate_; }
+
  private:
+  Status read_angular_rate(std::uint32_t size) {
+    std::uint8_t bytes[detail::kLogAngularRateBytes];
+    if (size != detail::kLogAngularRateBytes || !get(bytes, detail::kLogAngularRateBytes) ||
+        !close_record()) {
+      return Status::kCorrupt;
+    }
+    ++samples_;
+    detail::decode_angular_rate(bytes, angular_rate_);
+    return Status::kOk;
+  }
+
   Status read_odometry(std::uint32_t size, OdometrySample& sample) {
     std::uint8_t bytes[detail::kLogOdometryBytes];
     if (size != detail::kLogOdometryBytes || !get(bytes, detail::kLogOdometryBytes) ||
@@ -329,6 +393,8 @@ class InputLogReader {
   std::uint32_t samples_ = 0;
   std::uint32_t frames_ = 0;
   std::uint32_t crc_ = 0;
+  AngularRateSample angular_rate_;
+  bool with_gyro_ = false;
   bool opened_ = false;
 };
 

@@ -37,6 +37,16 @@ Status replay_odometry(const OdometrySample&, WindowTracker<Config>&) {
   return Status::kOk;
 }
 
+/// A gyroscope's samples of a log go to the trackers that take them.
+template <class Config>
+Status replay_angular_rate(const AngularRateSample& sample, WindowTracker<Config>& tracker) {
+  return tracker.add_angular_rate(sample);
+}
+template <class Tracker>
+Status replay_angular_rate(const AngularRateSample&, Tracker&) {
+  return Status::kOk;
+}
+
 /// The work that a frame of a log was allowed: its own limit, or the tracker's.
 template <class Tracker>
 void replay_work_limit(const LogFrame& frame, Tracker& tracker) {
@@ -101,6 +111,7 @@ Status start_replay(const InputLogHeader& header, WindowTracker<Config>& tracker
   typename WindowTracker<Config>::Parameters parameters;
   parameters.seed = header.seed;
   parameters.window.focal_sigma = static_cast<float>(header.focal_sigma_e4) / 10000.0F;
+  parameters.gyro = header.gyro;
   return tracker.initialise(header.camera, parameters);
 }
 
