@@ -229,6 +229,27 @@ class Window : public Tracker<WindowCalls> {
     need(cairn_window_initialise(memory_.get(), sizeof *memory_, &camera, &parameters, &tracker_),
          "WindowTracker");
   }
+  bool add_angular_rate(std::int64_t t_us, float x, float y, float z) {
+    const cairn_angular_rate sample{t_us, x, y, z};
+    return cairn_window_add_angular_rate(tracker_, &sample) == CAIRN_OK;
+  }
+  py::dict gyro() const {
+    cairn_gyro own;
+    need(cairn_window_get_gyro(tracker_, &own), "gyro");
+    const char* const kTrust[] = {"unproven", "agrees", "contradicted"};
+    py::dict result;
+    result["trust"] = kTrust[own.trust];
+    result["difference"] = own.difference;
+    result["bias"] = py::make_tuple(own.bias_x_radps, own.bias_y_radps, own.bias_z_radps);
+    result["bias_sigma"] = own.bias_sigma_radps;
+    result["time_offset_s"] = own.time_offset_s;
+    result["time_offset_sigma_s"] = own.time_offset_sigma_s;
+    result["samples"] = own.samples;
+    result["refused"] = own.refused;
+    result["saturated"] = own.saturated;
+    result["gaps"] = own.gaps;
+    return result;
+  }
   py::array_t<float> covariance() const {
     float own[36];
     need(cairn_window_get_covariance(tracker_, own), "covariance");
@@ -309,13 +330,25 @@ void add_settings(py::module_& module) {
       .CAIRN_FIELD(cairn_handheld_parameters, work_limit)
       .CAIRN_FIELD(cairn_handheld_parameters, max_step_us)
       .CAIRN_FIELD(cairn_handheld_parameters, seed);
+  py::class_<cairn_gyro_parameters>(module, "GyroParameters", "As in cairn/c_api/window.h.")
+      .def(py::init([] { return cairn_window_default_parameters().gyro; }))
+      .CAIRN_FIELD(cairn_gyro_parameters, qw)
+      .CAIRN_FIELD(cairn_gyro_parameters, qx)
+      .CAIRN_FIELD(cairn_gyro_parameters, qy)
+      .CAIRN_FIELD(cairn_gyro_parameters, qz)
+      .CAIRN_FIELD(cairn_gyro_parameters, noise_density)
+      .CAIRN_FIELD(cairn_gyro_parameters, bias_sigma_radps)
+      .CAIRN_FIELD(cairn_gyro_parameters, bias_walk)
+      .CAIRN_FIELD(cairn_gyro_parameters, time_sigma_s)
+      .CAIRN_FIELD(cairn_gyro_parameters, range_radps);
   py::class_<cairn_window_parameters>(module, "WindowParameters", "As in cairn/c_api/window.h.")
       .def(py::init(&cairn_window_default_parameters))
       .CAIRN_FIELD(cairn_window_parameters, sigma_px)
       .CAIRN_FIELD(cairn_window_parameters, focal_sigma)
       .CAIRN_FIELD(cairn_window_parameters, work_limit)
       .CAIRN_FIELD(cairn_window_parameters, max_step_us)
-      .CAIRN_FIELD(cairn_window_parameters, seed);
+      .CAIRN_FIELD(cairn_window_parameters, seed)
+      .CAIRN_FIELD(cairn_window_parameters, gyro);
 }
 
 #undef CAIRN_FIELD
@@ -367,7 +400,14 @@ void add_trackers(py::module_& module) {
       .def("covariance", &Window::covariance,
            "Of position (map axes) and rotation vector (camera axes), (6, 6).")
       .def("focal_scale", &Window::focal_scale,
-           "The focal length as a factor on the one that was told, and its standard deviation.");
+           "The focal length as a factor on the one that was told, and its standard deviation.")
+      .def("add_angular_rate", &Window::add_angular_rate, py::arg("t_us"), py::arg("x"),
+           py::arg("y"), py::arg("z"),
+           "Takes a gyroscope's sample, rad/s about its own axes; before the frame that it "
+           "precedes. "
+           "False: refused or saturated, and counted.")
+      .def("gyro", &Window::gyro,
+           "Whether the gyroscope turns as the pictures do, its bias and time offset.");
   add_common<Window>(window);
 }
 

@@ -120,6 +120,8 @@ static void null_is_refused(void) {
   CHECK(cairn_handheld_place_object_at(NULL, NULL, 0.0F, 0.0F) == refused);
   CHECK(cairn_handheld_reset(NULL) == refused);
   CHECK(cairn_window_process_frame(NULL, &kImage, 0, &report) == refused);
+  CHECK(cairn_window_add_angular_rate(NULL, NULL) == refused);
+  CHECK(cairn_window_get_gyro(NULL, NULL) == refused);
   CHECK(cairn_window_set_work_limit(NULL, 1) == refused);
   CHECK(cairn_window_set_ticks(NULL, NULL, NULL) == refused);
   CHECK(cairn_window_get_covariance(NULL, NULL) == refused);
@@ -269,6 +271,10 @@ static void a_window_starts_and_resets(void) {
   CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, NULL, NULL, &w) ==
         CAIRN_INVALID_ARGUMENT);
   cairn_window_parameters parameters = cairn_window_default_parameters();
+  parameters.gyro.qw = 0.5F;
+  CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, &kCamera, &parameters,
+                                &w) == CAIRN_BAD_CONFIG);
+  parameters.gyro.qw = 1.0F;
   parameters.focal_sigma = -0.01F;
   CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, &kCamera, &parameters,
                                 &w) == CAIRN_BAD_CONFIG);
@@ -284,6 +290,12 @@ static void a_window_starts_and_resets(void) {
   CHECK(cairn_window_get_health(w, &health) == CAIRN_OK);
   CHECK(health.time_errors == 1);
   CHECK(cairn_window_set_work_limit(w, -1) == CAIRN_INVALID_ARGUMENT);
+  const cairn_angular_rate rate = {1000, 0.1F, 0.2F, 0.3F};
+  CHECK(cairn_window_add_angular_rate(w, &rate) == CAIRN_OK);
+  CHECK(cairn_window_add_angular_rate(w, &rate) == CAIRN_DUPLICATE);
+  cairn_gyro gyro;
+  CHECK(cairn_window_get_gyro(w, &gyro) == CAIRN_OK);
+  CHECK(gyro.trust == CAIRN_GYRO_UNPROVEN && gyro.samples == 1 && gyro.refused == 1);
   float scale = 0.0F;
   float sigma = 0.0F;
   CHECK(cairn_window_get_focal_scale(w, &scale, &sigma) == CAIRN_OK);

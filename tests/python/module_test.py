@@ -54,6 +54,10 @@ class Images(unittest.TestCase):
         self.assertEqual((report["status"], report["state"]), ("ok", "initialising"))
         self.assertGreater(report["landmarks"], 20)
         self.assertEqual(window.covariance().shape, (6, 6))
+        self.assertTrue(window.add_angular_rate(1000, 0.1, 0.2, 0.3))
+        self.assertFalse(window.add_angular_rate(1000, 0.1, 0.2, 0.3))
+        self.assertEqual(window.gyro()["trust"], "unproven")
+        self.assertEqual(window.gyro()["refused"], 1)
         with self.assertRaisesRegex(ValueError, "duplicate"):
             window.process_frame(picture(), 0)
         parameters = cairn.WindowParameters()

@@ -7,6 +7,9 @@
 #include "tracker_calls.hpp"
 #include "window_object.hpp"
 
+static_assert(static_cast<int>(cairn::GyroTrust::kAgrees) == CAIRN_GYRO_AGREES, "");
+static_assert(static_cast<int>(cairn::GyroTrust::kContradicted) == CAIRN_GYRO_CONTRADICTED, "");
+
 namespace {
 
 using cairn::Status;
@@ -22,6 +25,13 @@ Tracker::Parameters parameters_from(const cairn_window_parameters& from) {
   to.work_limit = from.work_limit;
   to.max_step_us = from.max_step_us;
   to.seed = from.seed;
+  to.gyro.R_camera_gyro =
+      cairn::Quaternion<float>(from.gyro.qw, from.gyro.qx, from.gyro.qy, from.gyro.qz);
+  to.gyro.noise_density = from.gyro.noise_density;
+  to.gyro.bias_sigma_radps = from.gyro.bias_sigma_radps;
+  to.gyro.bias_walk = from.gyro.bias_walk;
+  to.gyro.time_sigma_s = from.gyro.time_sigma_s;
+  to.gyro.range_radps = from.gyro.range_radps;
   return to;
 }
 
@@ -29,7 +39,15 @@ Tracker::Parameters parameters_from(const cairn_window_parameters& from) {
 
 cairn_window_parameters cairn_window_default_parameters(void) {
   const Tracker::Parameters from;
-  return {from.sigma_px, from.window.focal_sigma, from.work_limit, from.max_step_us, from.seed};
+  const cairn::GyroParameters& gyro = from.gyro;
+  const cairn::Quaternion<float>& q = gyro.R_camera_gyro;
+  return {from.sigma_px,
+          from.window.focal_sigma,
+          from.work_limit,
+          from.max_step_us,
+          from.seed,
+          {q.w(), q.x(), q.y(), q.z(), gyro.noise_density, gyro.bias_sigma_radps, gyro.bias_walk,
+           gyro.time_sigma_s, gyro.range_radps}};
 }
 
 cairn_status cairn_window_initialise(void* memory, size_t bytes, const cairn_camera* camera,
@@ -55,6 +73,30 @@ cairn_status cairn_window_reset(cairn_window* window) {
   if (!ok(status)) return to_c(status);
   window->report = cairn::FrameReport();
   window->accepted = false;
+  return CAIRN_OK;
+}
+
+cairn_status cairn_window_add_angular_rate(cairn_window* window, const cairn_angular_rate* sample) {
+  if (window == nullptr || sample == nullptr) return CAIRN_INVALID_ARGUMENT;
+  return to_c(window->tracker.add_angular_rate(
+      {sample->t_us, {sample->x_radps, sample->y_radps, sample->z_radps}}));
+}
+
+cairn_status cairn_window_get_gyro(const cairn_window* window, cairn_gyro* gyro) {
+  if (window == nullptr || gyro == nullptr) return CAIRN_INVALID_ARGUMENT;
+  const cairn::GyroReport own = window->tracker.gyro().report();
+  *gyro = {static_cast<cairn_gyro_trust>(own.trust),
+           own.difference,
+           own.bias_radps.x(),
+           own.bias_radps.y(),
+           own.bias_radps.z(),
+           own.bias_sigma_radps,
+           own.time_offset_s,
+           own.time_offset_sigma_s,
+           own.samples,
+           own.refused,
+           own.saturated,
+           own.gaps};
   return CAIRN_OK;
 }
 

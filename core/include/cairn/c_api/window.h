@@ -22,6 +22,42 @@ typedef union cairn_window_memory {
   uint8_t bytes[CAIRN_WINDOW_BYTES];
 } cairn_window_memory;
 
+/** How a gyroscope is mounted and how good it is, for cairn_window_add_angular_rate(). */
+typedef struct cairn_gyro_parameters {
+  float qw, qx, qy, qz; /**< turns vectors of its axes to those of the camera; a unit quaternion */
+  float noise_density;  /**< rad/s/sqrt(Hz) */
+  float bias_sigma_radps; /**< standard deviation of each axis' bias at the start */
+  float bias_walk;        /**< rad/s/sqrt(s) */
+  float time_sigma_s;     /**< standard deviation of the stamps' offset from the frames' */
+  float range_radps;      /**< an axis that reads this or more is saturated */
+} cairn_gyro_parameters;
+
+/** A sample of a gyroscope. */
+typedef struct cairn_angular_rate {
+  int64_t t_us;                    /**< of the frames' clock, but for an offset that is estimated */
+  float x_radps, y_radps, z_radps; /**< about the sensor's own axes */
+} cairn_angular_rate;
+
+/** Whether a gyroscope turns as the pictures do. */
+typedef enum cairn_gyro_trust {
+  CAIRN_GYRO_UNPROVEN = 0, /**< the camera has not turned enough, or they agree badly */
+  CAIRN_GYRO_AGREES,
+  CAIRN_GYRO_CONTRADICTED /**< it is mounted otherwise than told, or its stamps are wrong: it is not
+                             used */
+} cairn_gyro_trust;
+
+/** What is known of a gyroscope. */
+typedef struct cairn_gyro {
+  cairn_gyro_trust trust;
+  float difference; /**< of its turns from the pictures': 0 none, 1 no better than nothing, 4
+                       opposite */
+  float bias_x_radps, bias_y_radps, bias_z_radps; /**< camera axes */
+  float bias_sigma_radps;
+  float time_offset_s; /**< by which its stamps are late */
+  float time_offset_sigma_s;
+  uint32_t samples, refused, saturated, gaps;
+} cairn_gyro;
+
 /** The settings that programs change; all others are those of docs/reference/parameters.md. */
 typedef struct cairn_window_parameters {
   float sigma_px;      /**< standard deviation of a measured pixel, of a picture 640 wide */
@@ -29,6 +65,7 @@ typedef struct cairn_window_parameters {
   int32_t work_limit;  /**< units of work a frame */
   int64_t max_step_us; /**< a longer gap between frames is not integrated */
   uint64_t seed;       /**< of RANSAC */
+  cairn_gyro_parameters gyro; /**< where there is one */
 } cairn_window_parameters;
 
 /** Parameters as the tracker has them by default. */
@@ -44,6 +81,16 @@ cairn_status cairn_window_initialise(void* memory, size_t bytes, const cairn_cam
 
 /** Starts anew with an empty map. */
 cairn_status cairn_window_reset(cairn_window* window);
+
+/** Takes a gyroscope's sample (50 to 2,000 Hz, at times of its own); those up to a frame's time
+ * come before the frame. Nothing has to be said beforehand: without samples the video alone is
+ * used. Refused and counted: CAIRN_NON_FINITE_INPUT, CAIRN_INVALID_ARGUMENT (beyond 200 rad/s),
+ * CAIRN_DUPLICATE, CAIRN_TIME_BACKWARDS, CAIRN_TIME_GAP (a jump that the next sample has not
+ * confirmed). CAIRN_GATED: saturated, taken as a gap. */
+cairn_status cairn_window_add_angular_rate(cairn_window* window, const cairn_angular_rate* sample);
+
+/** Whether it turns as the pictures do, its bias and its time offset. */
+cairn_status cairn_window_get_gyro(const cairn_window* window, cairn_gyro* gyro);
 
 /** As cairn_vehicle_process_frame(). */
 cairn_status cairn_window_process_frame(cairn_window* window, const cairn_image* image,
