@@ -12,6 +12,7 @@
 #include "host_sim/commands/replay_command.hpp"
 #include "host_sim/commands/robustness_command.hpp"
 #include "host_sim/commands/run_command.hpp"
+#include "host_sim/commands/simulate_gyro_command.hpp"
 #include "host_sim/commands/timing_command.hpp"
 #include "host_sim/commands/turntable_command.hpp"
 #include "host_sim/commands/vision_command.hpp"
@@ -31,6 +32,7 @@ void register_commands(CommandContext& context) {
   register_laps_command(context);
   register_merge_command(context);
   register_robustness_command(context);
+  register_simulate_gyro_command(context);
   register_timing_command(context);
   register_turntable_command(context);
   register_vision_command(context);

@@ -30,6 +30,9 @@ struct RobustnessArguments {
 };
 
 RobustnessSettings settings_of(const RobustnessArguments& arguments) {
+  if (!arguments.run.gyro.empty() && arguments.sources.size() > 1) {
+    throw UsageError("--gyro: expected one source, whose gyroscope it is");
+  }
   RobustnessSettings settings = arguments.settings;
   settings.window_frames = arguments.windows[0];
   settings.step_frames = arguments.windows[1];
@@ -59,6 +62,7 @@ nlohmann::json settings_json(const RobustnessArguments& arguments,
           {"filter", settings.filter},
           {"playback", arguments.directions},
           {"every", arguments.every},
+          {"gyro", arguments.run.gyro.string()},
           {"max_ate_m", settings.max_ate_m},
           {"max_rotation_deg", settings.max_rotation_deg}};
 }
@@ -138,6 +142,7 @@ void add_options(CLI::App& command, RobustnessArguments& arguments) {
   add_shard_option(command, arguments.settings.shard);
   add_range_options(command, arguments.run);
   add_picture_options(command, arguments.run);
+  add_gyro_options(command, arguments.run);
 }
 
 }  // namespace

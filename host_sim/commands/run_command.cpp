@@ -113,6 +113,7 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->capture_default_str();
   add_picture_options(command, options);
   add_odometry_options(command, options);
+  add_gyro_options(command, options);
 }
 
 void check_fading(const std::string& fading) {

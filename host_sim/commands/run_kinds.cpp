@@ -52,7 +52,14 @@ const Names& picture_options() {
                               "--sigma-px",
                               "--focal-error",
                               "--estimate-focal-length",
-                              "--focal-sigma"};
+                              "--focal-sigma",
+                              "--gyro",
+                              "--gyro-imu",
+                              "--gyro-rotation",
+                              "--gyro-noise",
+                              "--gyro-bias",
+                              "--gyro-bias-walk",
+                              "--gyro-time-sigma"};
   return names;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "host_sim/base/names.hpp"
+#include "host_sim/reports/gyro_meaning.hpp"
 
 namespace cairn::host {
 namespace {
@@ -41,6 +42,17 @@ void print_suspicion(const std::optional<YawCheck>& yaw) {
   if (!yaw.has_value() || !yaw->suspect()) return;
   fmt::print("odometry's yaw rate suspect: {}\n",
              meaning_of_yaw(static_cast<double>(yaw->ratio())));
+}
+
+void print_gyro(const std::optional<GyroReport>& gyro) {
+  if (!gyro.has_value()) return;
+  fmt::print(
+      "gyroscope: {} samples, {} refused, {} saturated, {} gaps; bias {:.4f} {:.4f} {:.4f} rad/s "
+      "(sigma {:.4f}), stamps late by {:.1f} ms (sigma {:.1f})\n",
+      gyro->samples, gyro->refused, gyro->saturated, gyro->gaps, gyro->bias_radps.x(),
+      gyro->bias_radps.y(), gyro->bias_radps.z(), gyro->bias_sigma_radps,
+      1e3F * gyro->time_offset_s, 1e3F * gyro->time_offset_sigma_s);
+  fmt::print("{}\n", meaning_of_gyro(*gyro));
 }
 
 void print_summary(const nlohmann::json& summary) {

@@ -4,6 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cairn/tracking/handheld_gyro.hpp"
+
 #include "host_sim/running/mount_run.hpp"
 
 namespace cairn::host {
@@ -22,5 +24,7 @@ void print_suspicions(const std::optional<MountOffset>& offset);
 void print_suspicion(const std::optional<GroundCheck>& ground);
 /// A line where odometry turns otherwise than the pictures.
 void print_suspicion(const std::optional<YawCheck>& yaw);
+/// What a gyroscope was worth, where there was one.
+void print_gyro(const std::optional<GyroReport>& gyro);
 
 }  // namespace cairn::host

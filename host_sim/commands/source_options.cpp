@@ -27,6 +27,33 @@ void add_picture_options(CLI::App& command, RunOptions& options) {
   command.add_option("--truth", options.truth, "True camera poses of a video source (TUM)");
 }
 
+void add_gyro_options(CLI::App& command, RunOptions& options) {
+  command.add_option("--gyro", options.gyro,
+                     "Gyroscope of the camera (CSV: t, wx, wy, wz; EuRoC's imu0/data.csv)");
+  command.add_option("--gyro-imu", options.gyro_imu,
+                     "Its noise and mounting (YAML: EuRoC's sensor.yaml, Kalibr's imu.yaml); by "
+                     "default sensor.yaml beside the samples");
+  command
+      .add_option("--gyro-rotation", options.gyro_rotation,
+                  "W,X,Y,Z: turns the gyroscope's axes to those of the camera; by default by "
+                  "T_BS or T_cam_imu of the files")
+      ->delimiter(',')
+      ->expected(4);
+  command.add_option("--gyro-noise", options.gyro_noise, "Its noise density, rad/s/sqrt(Hz)")
+      ->check(CLI::Range(1e-6, 1.0));
+  command
+      .add_option("--gyro-bias", options.gyro_bias_sigma,
+                  "Standard deviation of its bias at the start, rad/s")
+      ->check(CLI::Range(0.0, 10.0));
+  command
+      .add_option("--gyro-bias-walk", options.gyro_bias_walk, "How its bias walks, rad/s/sqrt(s)")
+      ->check(CLI::Range(0.0, 10.0));
+  command
+      .add_option("--gyro-time-sigma", options.gyro_time_sigma,
+                  "Standard deviation of its time stamps' offset from the frames', s")
+      ->check(CLI::Range(0.0, 1.0));
+}
+
 void add_odometry_options(CLI::App& command, RunOptions& options) {
   command.add_option("--odometry", options.odometry, "Odometry of a video source (CSV)");
   command

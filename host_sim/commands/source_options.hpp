@@ -13,6 +13,9 @@ void add_range_options(CLI::App& command, RunOptions& options);
 /// truth, crop and scale.
 void add_picture_options(CLI::App& command, RunOptions& options);
 
+/// --gyro and what is said of it, in the commands that track hand-held.
+void add_gyro_options(CLI::App& command, RunOptions& options);
+
 /// --odometry of a video and its noise, in the commands that have a vehicle mode.
 void add_odometry_options(CLI::App& command, RunOptions& options);
 

@@ -11,6 +11,7 @@
 
 #include "cairn/base/config.hpp"
 
+#include "host_sim/commands/gyro_of_run.hpp"
 #include "host_sim/commands/run_printing.hpp"
 #include "host_sim/io/camera_file.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -238,7 +239,7 @@ ExitCode interrupted_code(const RunRecord& record) {
 }
 
 ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& options) {
-  std::unique_ptr<FrameSource> fitting = fit_source(std::move(opened), options);
+  std::unique_ptr<FrameSource> fitting = with_gyro(fit_source(std::move(opened), options), options);
   if (options.use_source) return use_source(*fitting, options);
   if (options.playback.backward && mode_of(options, fitting->info()) == Mode::kVehicle) {
     throw UsageError("--playback backward: only for --mode handheld");
@@ -293,6 +294,7 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   print_suspicions(record.mount);
   print_suspicion(record.ground);
   print_suspicion(record.yaw);
+  print_gyro(record.gyro);
   if (record.mount_suspect_frame && !record.mount->any_suspect()) {
     fmt::print("calibration was suspect in {} frames, and is not at the end\n",
                record.health.mount_suspicions);

@@ -57,6 +57,13 @@ struct RunOptions {
   std::optional<int> work_limit;  ///< units of work a frame; empty: the tracker's own
   std::filesystem::path camera;
   std::filesystem::path odometry;
+  std::filesystem::path gyro;             ///< samples of a gyroscope; empty: none
+  std::filesystem::path gyro_imu;         ///< description of its IMU; empty: one beside the samples
+  std::vector<double> gyro_rotation;      ///< R_camera_gyro as w, x, y, z; empty: by the files
+  std::optional<double> gyro_noise;       ///< rad/s/sqrt(Hz)
+  std::optional<double> gyro_bias_sigma;  ///< rad/s
+  std::optional<double> gyro_bias_walk;   ///< rad/s/sqrt(s)
+  std::optional<double> gyro_time_sigma;  ///< s
   std::filesystem::path times;
   std::filesystem::path truth;
   std::optional<double> scale;     ///< of the pictures; empty: as far as the tracker needs

@@ -11,6 +11,7 @@
 #include "host_sim/base/statistics.hpp"
 #include "host_sim/io/output_file.hpp"
 #include "host_sim/io/pose_file.hpp"
+#include "host_sim/reports/gyro_meaning.hpp"
 #include "host_sim/reports/latency.hpp"
 #include "host_sim/reports/run_folder.hpp"
 #include "host_sim/reports/verdict.hpp"
@@ -323,6 +324,25 @@ json yaw_json(const RunRecord& record) {
           {"suspect_frames", record.health.yaw_suspicions}};
 }
 
+/// What is known of the gyroscope; null without one.
+json gyro_json(const RunRecord& record) {
+  if (!record.gyro.has_value()) return nullptr;
+  const GyroReport& gyro = *record.gyro;
+  const char* const kTrust[] = {"unproven", "agrees", "contradicted"};
+  return {{"trust", kTrust[static_cast<int>(gyro.trust)]},
+          {"meaning", meaning_of_gyro(gyro)},
+          {"turns", gyro.ways},
+          {"difference", gyro.difference},
+          {"bias_radps", {gyro.bias_radps.x(), gyro.bias_radps.y(), gyro.bias_radps.z()}},
+          {"bias_sigma_radps", gyro.bias_sigma_radps},
+          {"late_s", gyro.time_offset_s},
+          {"late_sigma_s", gyro.time_offset_sigma_s},
+          {"samples", gyro.samples},
+          {"refused", gyro.refused},
+          {"saturated", gyro.saturated},
+          {"gaps", gyro.gaps}};
+}
+
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                const RegistrationResult& registration, double budget_ms, const SourceInfo& source) {
   int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
@@ -371,6 +391,7 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
       {"ground", ground_json(record)},
       {"focal_scale", focal_json(record)},
       {"odometry_yaw", yaw_json(record)},
+      {"gyro", gyro_json(record)},
       {"monitor", monitor_json(record)},
       {"pictures", pictures},
       {"video", record.overlay.empty() ? json(nullptr)

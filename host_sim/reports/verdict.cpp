@@ -36,6 +36,7 @@ class Judge {
     judge_ground();
     judge_focal();
     judge_yaw();
+    judge_gyro();
     judge_consistency();
     judge_errors();
     judge_budget();
@@ -164,6 +165,17 @@ class Judge {
       say(Grade::kNote,
           "The odometry's yaw rate was not that of the pictures in {} frames, and is at the end",
           frames);
+    }
+  }
+
+  void judge_gyro() {
+    if (!summary_.contains("gyro") || summary_["gyro"].is_null()) return;
+    const json& gyro = summary_["gyro"];
+    const auto trust = gyro["trust"].get<std::string>();
+    if (trust == "contradicted") {
+      say(Grade::kBad, "{}", gyro["meaning"].get<std::string>());
+    } else if (trust == "unproven") {
+      say(Grade::kNote, "{}", gyro["meaning"].get<std::string>());
     }
   }
 

@@ -11,6 +11,7 @@
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/planar/tilt.hpp"
+#include "cairn/tracking/angular_rate.hpp"
 #include "cairn/tracking/frame_report.hpp"
 
 namespace cairn::host {
@@ -31,6 +32,8 @@ struct Frame {
   /// Samples since the frame before, t_us of the last one <= the frame's. Empty for handheld
   /// sources.
   std::vector<OdometrySample> odometry;
+  /// A gyroscope's samples since the frame before, as odometry's. Empty where there is none.
+  std::vector<AngularRateSample> gyro;
   std::optional<Rigid<double>> true_T_world_camera;
   std::optional<Rigid<double>> true_T_world_vehicle;
   std::vector<ScenePointView> scene_points;
@@ -52,6 +55,9 @@ struct SourceInfo {
   /// Where the camera sits on the vehicle; the identity for handheld sources.
   Rigid<double> T_vehicle_camera;
   std::optional<OdometryModel> odometry;  ///< absent: handheld
+  std::optional<GyroParameters> gyro;     ///< of the frames' samples; absent: there are none
+  /// The camera in the frame of its IMU, where its file says so.
+  std::optional<Rigid<double>> T_body_camera;
   /// How the vehicle's body tilts, as far as the source knows.
   TiltParameters<double> tilt;
   double frame_rate_hz = 30.0;     ///< nominal

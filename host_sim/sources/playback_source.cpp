@@ -8,6 +8,18 @@
 namespace cairn::host {
 namespace {
 
+/// Samples of the frames as a mirrored time reads them: the camera turns the other way.
+std::vector<AngularRateSample> mirrored_gyro(const std::vector<Frame>& frames) {
+  std::vector<AngularRateSample> samples;
+  const std::int64_t both_us = frames.front().t_us + frames.back().t_us;
+  for (auto frame = frames.rbegin(); frame != frames.rend(); ++frame) {
+    for (auto sample = frame->gyro.rbegin(); sample != frame->gyro.rend(); ++sample) {
+      samples.push_back({both_us - sample->t_us, -sample->rate_radps});
+    }
+  }
+  return samples;
+}
+
 class MemorySource final : public FrameSource {
  public:
   MemorySource(SourceInfo info, std::vector<Frame> frames)
@@ -58,13 +70,16 @@ class ThinnedSource final : public FrameSource {
  private:
   bool find_next(Frame& frame) {
     std::vector<OdometrySample> odometry;
+    std::vector<AngularRateSample> gyro;
     const int skipped = begun_ ? every_ - 1 : 0;
     begun_ = true;
     for (int i = 0; i <= skipped; ++i) {
       if (!source_->next(frame)) return false;
       odometry.insert(odometry.end(), frame.odometry.begin(), frame.odometry.end());
+      gyro.insert(gyro.end(), frame.gyro.begin(), frame.gyro.end());
     }
     frame.odometry = std::move(odometry);
+    frame.gyro = std::move(gyro);
     return true;
   }
 
@@ -79,16 +94,25 @@ class ThinnedSource final : public FrameSource {
 std::vector<Frame> play(const std::vector<Frame>& frames, const Playback& playback) {
   std::vector<Frame> played;
   std::vector<OdometrySample> odometry;
+  std::vector<AngularRateSample> gyro;
   const std::size_t count = frames.size();
+  const std::vector<AngularRateSample> mirrored =
+      playback.backward && count > 0 ? mirrored_gyro(frames) : std::vector<AngularRateSample>();
+  std::size_t next = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const Frame& frame = frames[playback.backward ? count - 1 - i : i];
     odometry.insert(odometry.end(), frame.odometry.begin(), frame.odometry.end());
+    if (!playback.backward) gyro.insert(gyro.end(), frame.gyro.begin(), frame.gyro.end());
     if (i % static_cast<std::size_t>(playback.every) != 0) continue;
     played.push_back(frame);
     played.back().odometry = std::exchange(odometry, {});
+    played.back().gyro = std::exchange(gyro, {});
     if (!playback.backward) continue;
     played.back().odometry.clear();
     played.back().t_us = frames.front().t_us + (frames.back().t_us - frame.t_us);
+    while (next < mirrored.size() && mirrored[next].t_us <= played.back().t_us) {
+      played.back().gyro.push_back(mirrored[next++]);
+    }
   }
   return played;
 }

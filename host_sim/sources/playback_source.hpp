@@ -17,8 +17,9 @@ struct Playback {
 };
 
 /// The frames as `playback` shows them. Backwards, times are mirrored about the middle, so that
-/// they increase and every step keeps its length; odometry is left out. Forwards, a frame gets the
-/// odometry of the frames left out before it. Pictures are shared, not copied.
+/// they increase and every step keeps its length; odometry is left out, and a gyroscope's rates
+/// have the other sign. Forwards, a frame gets the odometry of the frames left out before it.
+/// Pictures are shared, not copied.
 std::vector<Frame> play(const std::vector<Frame>& frames, const Playback& playback);
 
 /// Every frame left in `source`, with pictures of its own.

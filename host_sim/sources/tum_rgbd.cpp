@@ -53,9 +53,14 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
   require_folder(folder, "a folder with rgb.txt and groundtruth.txt");
   SourceInfo info;
   info.name = "tum-rgbd";
-  info.camera =
-      camera_file.empty() ? published_camera(folder) : read_camera_file(camera_file, lens).camera;
-  if (!camera_file.empty()) info.inputs.push_back(camera_file);
+  if (camera_file.empty()) {
+    info.camera = published_camera(folder);
+  } else {
+    const CameraFile file = read_camera_file(camera_file, lens);
+    info.camera = file.camera;
+    info.T_body_camera = file.T_body_camera;
+    info.inputs.push_back(camera_file);
+  }
   info.frame_rate_hz = 30.0;
   const fs::path list = folder / "rgb.txt";
   const std::vector<TimedPose> truth = read_tum(folder / "groundtruth.txt");

@@ -57,6 +57,7 @@ class VideoSource final : public FrameSource {
     const MediaInfo& media = media_->info();
     info_.name = options.live ? "camera" : "video";
     info_.camera = camera_.camera;
+    info_.T_body_camera = camera_.T_body_camera;
     info_.frame_rate_hz = media.rate_hz;
     info_.frame_count = media.frame_count;
     info_.note = fmt::format(

@@ -56,6 +56,10 @@ InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& so
   if (header.filter == LogFilter::kWindow) {
     header.focal_sigma_e4 = window_focal_sigma_e4(options.handheld, source);
   }
+  if (source.gyro) {
+    header.with_gyro = true;
+    header.gyro = *source.gyro;
+  }
   header.seed = options.seed;
   header.start_t_us = start_us;
   header.camera = to_float(source.camera);
@@ -113,6 +117,7 @@ void RecordingSource::finish() {
 }
 
 void RecordingSource::record(const Frame& frame) {
+  for (const AngularRateSample& sample : frame.gyro) check(writer_.angular_rate(sample));
   for (const OdometrySample& sample : frame.odometry) check(writer_.odometry(sample));
   check(writer_.frame({static_cast<std::uint32_t>(frame.number), frame.t_us, work_limit_},
                       to_view(frame.grey)));

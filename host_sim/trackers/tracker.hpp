@@ -17,6 +17,7 @@
 #include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/frame_report.hpp"
 #include "cairn/tracking/ground_check.hpp"
+#include "cairn/tracking/handheld_gyro.hpp"
 #include "cairn/tracking/mount_evidence.hpp"
 #include "cairn/tracking/yaw_check.hpp"
 
@@ -73,6 +74,8 @@ class Tracker {
   virtual std::optional<MountOffset> mount_offset() const { return std::nullopt; }
   /// The focal length as a factor on what the tracker was told, where it is estimated.
   virtual std::optional<FocalScale> focal_scale() const { return std::nullopt; }
+  /// What is known of the gyroscope, where samples came. The window of keyframes alone.
+  virtual std::optional<GyroReport> gyro() const { return std::nullopt; }
   /// Whether speed and camera height fit the height of the ground. Vehicle mode alone.
   virtual std::optional<GroundCheck> ground() const { return std::nullopt; }
   /// Whether odometry turns as the pictures do. Vehicle mode alone.

@@ -31,6 +31,7 @@ class WindowAdapter : public Tracker {
     }
     parameters.window.focal_sigma =
         static_cast<float>(window_focal_sigma_e4(options.handheld, source)) / 10000.0F;
+    if (source.gyro) parameters.gyro = *source.gyro;
     PinholeCamera<double> camera = source.camera;
     camera.fx *= 1.0 + options.handheld.focal_error;
     camera.fy *= 1.0 + options.handheld.focal_error;
@@ -45,6 +46,9 @@ class WindowAdapter : public Tracker {
   WindowAdapter& operator=(const WindowAdapter&) = delete;
 
   Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) override {
+    for (const AngularRateSample& sample : frame.gyro) {
+      static_cast<void>(core_->add_angular_rate(sample));  // what is refused is counted
+    }
     const Status status =
         core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
     report.status = status;
@@ -89,6 +93,11 @@ class WindowAdapter : public Tracker {
   }
 
   std::optional<FocalScale> focal_scale() const override { return core_->focal_scale(); }
+  std::optional<GyroReport> gyro() const override {
+    const HandheldGyro& gyro = core_->gyro();
+    if (gyro.integrator().taken() + gyro.integrator().refused() == 0) return std::nullopt;
+    return gyro.report();
+  }
   int library_size() const override { return core_->library().size(); }
   int landmark_capacity() const override { return Core::kMaxFeatures; }
   Health health() const override { return core_->health(); }
