@@ -10,7 +10,7 @@
 #include "host_sim/commands/option_checks.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/output_file.hpp"
-#include "host_sim/world/simulated_gyro.hpp"
+#include "host_sim/sources/simulated_gyro.hpp"
 
 namespace cairn::host {
 namespace {

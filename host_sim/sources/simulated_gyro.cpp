@@ -1,4 +1,4 @@
-#include "host_sim/world/simulated_gyro.hpp"
+#include "host_sim/sources/simulated_gyro.hpp"
 
 #include <algorithm>
 #include <cmath>
