@@ -33,6 +33,9 @@ RobustnessSettings settings_of(const RobustnessArguments& arguments) {
   if (!arguments.run.gyro.empty() && arguments.sources.size() > 1) {
     throw UsageError("--gyro: expected one source, whose gyroscope it is");
   }
+  if (!arguments.run.gyro.empty() && arguments.settings.filter != kWindowFilter) {
+    throw UsageError("--gyro: only for --filter window");
+  }
   RobustnessSettings settings = arguments.settings;
   settings.window_frames = arguments.windows[0];
   settings.step_frames = arguments.windows[1];

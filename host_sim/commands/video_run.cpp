@@ -143,6 +143,9 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
   tracker.handheld = options.handheld;
   tracker.work_limit = options.work_limit;
   if (tracker.filter == kWindowFilter) check_window_options(options);
+  if (tracker.filter == kMonoFilter && source.gyro) {
+    throw UsageError("--gyro: only for --filter window, or in vehicle mode");
+  }
   if (tracker.filter == kMonoFilter && options.handheld.focal_sigma) {
     throw UsageError("--focal-sigma: only for --filter window");
   }
@@ -266,6 +269,9 @@ ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& optio
   runner.shaded = options.overlay == "shaded";
   runner.view = options.view;
   runner.budget_ms = options.budget_ms;
+  if (!options.record.empty() && !options.gyro.empty() && tracker_settings.mode == Mode::kVehicle) {
+    throw UsageError("--record: an input log does not hold a vehicle's gyroscope");
+  }
   std::optional<RecordingSource> recording;
   if (!options.record.empty()) {
     recording.emplace(source, options.record,

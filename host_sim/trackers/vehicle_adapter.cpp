@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "cairn/runtime/replay.hpp"
+#include "cairn/tracking/gyro_yaw.hpp"
 
 #include "host_sim/base/core_conversions.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -27,12 +28,16 @@ class VehicleAdapter : public Tracker {
         work_limit_(options.work_limit),
         filter_name_(options.filter),
         source_name_(source.name) {
+    if (source.gyro) use_gyro(*source.gyro);
     start(0);
   }
 
   VehicleAdapter(const VehicleAdapter& other)
       : Tracker(other),
         core_(std::make_unique<Core>(*other.core_)),
+        gyro_(other.gyro_),
+        with_gyro_(other.with_gyro_),
+        wheels_sigma_(other.wheels_sigma_),
         header_(other.header_),
         work_limit_(other.work_limit_),
         objects_(other.objects_),
@@ -47,9 +52,13 @@ class VehicleAdapter : public Tracker {
       start(frame.t_us);
       started_ = true;
     }
+    Health gyro_health;  // what is refused is counted by the integrator
+    for (const AngularRateSample& sample : frame.gyro) {
+      static_cast<void>(gyro_.add(sample, gyro_health));
+    }
     for (const OdometrySample& sample : frame.odometry) {
       // A refused sample is counted in Health; the frame is tracked all the same.
-      static_cast<void>(add_odometry(sample));
+      static_cast<void>(add_odometry(with_gyro_ ? gyro_.replace(sample, wheels_sigma_) : sample));
     }
     const Status status =
         core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
@@ -111,6 +120,14 @@ class VehicleAdapter : public Tracker {
   }
 
  private:
+  /// The yaw rate is the gyroscope's from now on, with its noise.
+  void use_gyro(const GyroParameters& gyro) {
+    with_gyro_ = true;
+    gyro_.reset(gyro, header_.T_vehicle_camera);
+    const bool twist = header_.odometry_kind == OdometrySample::Kind::kTwist;
+    wheels_sigma_ = twist ? header_.turn_sigma : 0.0F;
+    header_.turn_sigma = GyroYaw::sigma_turn(gyro, header_.odometry_period_s);
+  }
   /// As a replay of the run's log starts.
   void start(std::int64_t t_us) {
     header_.start_t_us = t_us;
@@ -123,6 +140,9 @@ class VehicleAdapter : public Tracker {
   }
 
   std::unique_ptr<Core> core_;
+  GyroYaw gyro_;
+  bool with_gyro_ = false;
+  float wheels_sigma_ = 0.0F;  ///< of the wheels' own yaw rate, rad/s a sample
   InputLogHeader header_;
   std::optional<int> work_limit_;
   SceneObjects objects_{kVehicleObjectHeight};
