@@ -179,6 +179,31 @@ TEST_F(AVehicleWithOdometry, BridgesSamplesThatAreMissing) {
   EXPECT_EQ(health_.odometry_timeouts, 0U);
 }
 
+/// The clock believes a gap by a frame, which holds the motion for the longest step; the sample
+/// after it says what the rest was.
+TEST_F(AVehicleWithOdometry, BridgesAGapThatAFrameCameThrough) {
+  constexpr std::int64_t kGapUs = 3000000;
+  for (int k = 1; k <= 30; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
+  EXPECT_EQ(integrate_to(30 * kPeriodUs + kGapUs), Status::kTimeGap);
+  EXPECT_NEAR(x(), 4.0F, 1e-3F);
+  EXPECT_EQ(add(30 * kPeriodUs + kGapUs + 33333, 1.0F, 0.2F), Status::kTimeGap);
+  const auto& position = filter_.mean_pose().position;
+  EXPECT_NEAR(position.norm(), 6.0F, 0.1F);
+  EXPECT_NEAR(filter_.mean_pose().heading, 0.3F, 0.02F) << "it turned for the second half";
+  EXPECT_GT(std::sqrt(filter_.pose_covariance()(2, 2)), 1.0F) << "for all that is known";
+}
+
+TEST_F(AVehicleWithOdometry, BridgesNoGapThatAnImageCorrectedAndNoneOfAnHour) {
+  for (int k = 1; k <= 30; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
+  EXPECT_EQ(integrate_to(33 * 1000000), Status::kTimeGap);
+  EXPECT_EQ(add(33 * 1000000 + 33333, 1.0F), Status::kTimeGap);
+  EXPECT_NEAR(x(), 4.0F, 0.1F);
+  EXPECT_EQ(integrate_to(36 * 1000000), Status::kTimeGap);
+  odometry_.note_image_update(0.0F, 0.0F, 3.0F, false);
+  EXPECT_EQ(add(36 * 1000000 + 33333, 1.0F), Status::kTimeGap);
+  EXPECT_NEAR(x(), 5.0F, 0.1F);
+}
+
 /// Slow odometry is no gap: each reading is the motion since the one before.
 TEST_F(AVehicleWithOdometry, TakesSlowSamplesForTheTimeSinceTheOnesBefore) {
   for (int k = 1; k <= 30; ++k) ASSERT_TRUE(ok(add(k * 500000, 1.0F)));

@@ -158,6 +158,25 @@ void OdometryIntegrator::note_interval(float step_s) {
   interval_s_ += 0.125F * ((step_s < most ? step_s : most) - interval_s_);
 }
 
+/// What a sample after a gap adds to the motion that was held in it, for the longest step: half of
+/// the gap is its own, the other half that of the samples before. Turns end within two steps. Of
+/// gaps that are much longer, as when the clock was set, the samples say nothing.
+OdometryIntegrator::Motion OdometryIntegrator::bridging(const OdometrySample& sample) const {
+  constexpr float kMostSteps = 10.0F;
+  const float gap_s = seconds_since_sample(time_us_);
+  const float longest_s = max_step_s();
+  if (!has_motion_ || !(gap_s > longest_s) || gap_s > kMostSteps * longest_s) return {};
+  const OdometrySample first = steady_motion();
+  const float half_s = 0.5F * gap_s;
+  const float turning_s = half_s < 2.0F * longest_s ? half_s : 2.0F * longest_s;
+  const Motion held = motion_over(motion_, longest_s);
+  const float yaw_rad =
+      motion_over(first, turning_s).yaw_rad + motion_over(sample, turning_s).yaw_rad;
+  const float distance_m =
+      motion_over(first, half_s).distance_m + motion_over(sample, half_s).distance_m;
+  return {distance_m - held.distance_m, yaw_rad - held.yaw_rad};
+}
+
 /// Held for longer than a sample is meant for, one reading's noise would become a turn.
 void OdometryIntegrator::hold_steadily() {
   if (!at_rest()) motion_ = steady_motion();

@@ -124,6 +124,7 @@ class OdometryIntegrator {
   Status bridge_to(const OdometrySample& sample, Filter& filter);
   Drift drift_between_samples(const OdometrySample& first, const OdometrySample& last,
                               float step_s) const;
+  Motion bridging(const OdometrySample& sample) const;
   OdometrySample steady_motion() const;
   void note_interval(float step_s);
   void hold_steadily();
@@ -177,6 +178,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
     if (!ok(bridged)) return bridged;
     health.odometry_timeouts += gap ? 1 : 0;
   } else if (gap) {
+    if (corrected_us_ <= motion_.t_us && !glitch) correction = bridging(sample);
     static_cast<void>(integrate_to(sample.t_us, filter, health));
   } else if (!glitch) {
     // What was held beyond the last sample, and no image has corrected, moves as this sample says.
