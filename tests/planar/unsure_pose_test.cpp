@@ -1,6 +1,3 @@
-#include <cmath>
-#include <random>
-
 #include <gtest/gtest.h>
 
 #include "cairn/planar/group_iekf_slam.hpp"
@@ -52,14 +49,6 @@ class VehicleFarFromItsStart : public ::testing::Test {
     EXPECT_TRUE(ok(filter_.widen_pose(square(sigma_m), square(sigma_rad))));
     static_cast<void>(filter_.recentre());
   }
-  Status update(PixelMatch<float>* matches, float max_chance, Filter& filter) {
-    OnePointRansacParameters ransac = filter.parameters().ransac;
-    ransac.max_chance = max_chance;
-    filter.set_ransac(ransac);
-    UpdateReport report;
-    return filter.update_pixels(camera_, T_vehicle_camera_, 0.8F, matches, kLandmarks, random_,
-                                report);
-  }
 
   PinholeCamera<float> camera_;
   Rigid<float> T_vehicle_camera_;
@@ -92,48 +81,39 @@ TEST_F(VehicleFarFromItsStart, StaysWhereItIsWhenItsHeadingIsUnsure) {
   }
 }
 
-/// False matches lie anywhere in windows that are as wide as what is searched.
-TEST_F(VehicleFarFromItsStart, TakesNoAgreementThatChanceGivesForItsPlace) {
-  turn_unsure(0.5F, 0.2F);
-  std::mt19937_64 generator(1);
-  std::normal_distribution<float> normal;
-  int taken = 0;
-  int taken_unasked = 0;
-  for (int trial = 0; trial < 200; ++trial) {
-    PixelMatch<float> matches[kLandmarks];
-    for (int i = 0; i < kLandmarks; ++i) {
-      matches[i].id = static_cast<LandmarkId>(i + 1);
-      matches[i].pixel =
-          predict(i).pixel + Vector2<float>(15.0F * normal(generator), 15.0F * normal(generator));
-    }
-    Filter careful = filter_;
-    taken += ok(update(matches, 1e-7F, careful)) ? 1 : 0;
-    Filter trusting = filter_;
-    taken_unasked += ok(update(matches, 1.0F, trusting)) ? 1 : 0;
-  }
-  EXPECT_EQ(taken, 0);
-  EXPECT_GT(taken_unasked, 20) << "the test shows nothing";
-}
-
-TEST_F(VehicleFarFromItsStart, TakesItsLandmarksForItsPlaceWhereTheyAgree) {
-  // Where it is after all: 0.3 m on and turned by 0.15 rad.
+/// THEN the update is linear about the place that was recognised, not about odometry's.
+TEST_F(VehicleFarFromItsStart, UpdatesWhereItWasRecognised) {
   Filter truth = filter_;
   PlanarIncrement<float> moved;
   moved.distance_m = 0.3F;
-  moved.turn_rad = 0.15F;
+  moved.turn_rad = 0.5F;
   moved.covariance = Vector2<float>(1e-6F, 1e-6F).asDiagonal();
   ASSERT_TRUE(ok(truth.predict(moved)));
   PixelMatch<float> matches[kLandmarks];
+  int count = 0;
   for (int i = 0; i < kLandmarks; ++i) {
     PixelPrediction<float> seen;
-    ASSERT_TRUE(ok(truth.predict_pixel(i, camera_, T_vehicle_camera_, 0.8F, seen)));
-    matches[i].id = static_cast<LandmarkId>(i + 1);
-    matches[i].pixel = seen.pixel;
+    if (!ok(truth.predict_pixel(i, camera_, T_vehicle_camera_, 0.8F, seen))) continue;
+    matches[count].id = static_cast<LandmarkId>(i + 1);
+    matches[count++].pixel = seen.pixel;
   }
-  turn_unsure(0.5F, 0.2F);
-  ASSERT_TRUE(ok(update(matches, 1e-7F, filter_)));
-  EXPECT_NEAR(filter_.mean_pose().heading, truth.mean_pose().heading, 0.02F);
-  EXPECT_NEAR((filter_.mean_pose().position - truth.mean_pose().position).norm(), 0.0F, 0.1F);
+  turn_unsure(0.5F, 0.5F);
+  PlanarPose<float> recognised = truth.mean_pose();
+  recognised.position += Vector2<float>(0.05F, -0.05F);
+  recognised.heading += 0.02F;
+  const Matrix3<float> covariance = filter_.pose_covariance();
+  const Filter::Placement before = filter_.place(recognised, 0.25F, 0.01F);
+  EXPECT_EQ(filter_.mean_pose().heading, recognised.heading);
+  EXPECT_NEAR(filter_.pose_covariance()(2, 2), covariance(2, 2) - 0.25F + 0.01F, 1e-4F);
+  filter_.put_back(before);
+  EXPECT_EQ(filter_.mean_pose().heading, before.pose.heading);
+  EXPECT_NEAR((filter_.pose_covariance() - covariance).norm(), 0.0F, 1e-6F);
+  static_cast<void>(filter_.place(recognised, 0.25F, 0.01F));
+  UpdateReport report;
+  ASSERT_TRUE(
+      ok(filter_.update_pixels(camera_, T_vehicle_camera_, 0.8F, matches, count, random_, report)));
+  EXPECT_NEAR(filter_.mean_pose().heading, truth.mean_pose().heading, 0.002F);
+  EXPECT_NEAR((filter_.mean_pose().position - truth.mean_pose().position).norm(), 0.0F, 0.02F);
 }
 
 }  // namespace

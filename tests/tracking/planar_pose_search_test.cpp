@@ -147,5 +147,68 @@ TEST_F(LostVehicle, RefusesWhatItCannotUse) {
   EXPECT_EQ(inlier_count_, -1);
 }
 
+/// A vehicle that was blind for seconds: 0.5 rad and 0.6 m off, and as unsure.
+class BlindVehicle : public LostVehicle {
+ protected:
+  BlindVehicle() {
+    prior_.pose.position = {2.5F, -1.3F};
+    prior_.pose.heading = 0.9F;
+    prior_.covariance = Vector3<float>(0.3F, 0.3F, 0.3F).asDiagonal();
+  }
+  Status agree(PlanarPose<float>& pose) {
+    return find_planar_consensus(view(), prior_, sightings_, count_, PlanarConsensusOptions{}, pose,
+                                 inliers_, inlier_count_);
+  }
+  bool inliers_[PlanarPoseOptions::kMaxSightings] = {};
+};
+
+TEST_F(BlindVehicle, IsFoundWhereMostSightingsAgree) {
+  for (int trial = 0; trial < 50; ++trial) {
+    count_ = 0;
+    for (int i = 0; i < 9; ++i) {
+      add_right();
+      if (i % 3 == 2) add_wrong();
+    }
+    PlanarPose<float> pose;
+    EXPECT_EQ(agree(pose), Status::kOk) << trial;
+    EXPECT_GE(inlier_count_, 9);
+    EXPECT_NEAR(pose.heading, truth_.heading, 0.01F) << trial;
+    EXPECT_NEAR((pose.position - truth_.position).norm(), 0.0F, 0.05F) << trial;
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(inliers_[i]) << "nothing wrong before them";
+  }
+}
+
+/// False sightings lie anywhere in windows that are as wide as what is searched.
+TEST_F(BlindVehicle, TakesNoAgreementThatChanceGivesForItsPlace) {
+  PlanarPose<float> pose;
+  const PlanarPose<float> before = pose;
+  int taken = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    count_ = 0;
+    for (int i = 0; i < 12; ++i) {
+      add_wrong();
+      PlanarSighting& s = sightings_[count_ - 1];
+      Matrix<float, 2, 3> jacobian;
+      ASSERT_TRUE(ok(view().predict(truth_, s.p_map, s.pixel, jacobian)));
+      s.pixel += Vector2<float>{uniform(-25.0F, 25.0F), uniform(-25.0F, 25.0F)};
+    }
+    taken += ok(agree(pose)) ? 1 : 0;
+  }
+  EXPECT_EQ(taken, 0);
+  EXPECT_EQ(pose.heading, before.heading) << "unchanged on an error";
+}
+
+TEST_F(BlindVehicle, RefusesWhatItCannotUse) {
+  PlanarPose<float> pose;
+  for (int i = 0; i < 6; ++i) add_right();
+  count_ = PlanarPoseOptions::kMaxSightings + 1;
+  EXPECT_EQ(agree(pose), Status::kInvalidArgument);
+  count_ = 1;
+  EXPECT_EQ(agree(pose), Status::kNoConsensus);
+  count_ = 6;
+  prior_.covariance.setZero();
+  EXPECT_EQ(agree(pose), Status::kSingular);
+}
+
 }  // namespace
 }  // namespace cairn

@@ -11,9 +11,6 @@ struct OnePointRansacParameters {
   int max_hypotheses = 16;         ///< bound of the work
   int min_inliers = 5;             ///< fewer inliers: no consensus
   float min_inlier_share = 0.25F;  ///< smaller share of the candidates: no consensus
-  /// Largest chance that false matches, anywhere in their windows, agree with one hypothesis as its
-  /// inliers do; 1 or more: not asked.
-  float max_chance = 1.0F;
 };
 
 /// Outcome of one_point_ransac(). `inliers[i]` says whether candidate i agrees with the best

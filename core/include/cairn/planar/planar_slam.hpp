@@ -202,6 +202,33 @@ class PlanarSlam {
   /// Adds independent noise to the pose: variances in m^2 (per axis) and rad^2.
   Status widen_pose(Scalar position_variance, Scalar heading_variance);
 
+  /// A pose as odometry left it: what place() changes.
+  struct Placement {
+    PlanarPose<Scalar> pose;
+    Matrix3<Scalar> waiting_noise = Matrix3<Scalar>::Zero();
+  };
+  /// Puts the mean of the pose, m and rad, where the vehicle was recognised, before the update with
+  /// what was seen there. Noise of odometry that waits to enter the covariance is bounded by these
+  /// variances, m^2 and rad^2, which must allow for the error of `pose`; the landmarks stay. What
+  /// was before: for put_back(), as long as nothing else has changed. Without world landmarks: does
+  /// nothing.
+  Placement place(const PlanarPose<Scalar>& pose, Scalar position_variance,
+                  Scalar heading_variance) {
+    Placement before{mean_pose(), {}};
+    if constexpr (kHasWorldLandmarks) {
+      before.waiting_noise = model_.waiting_noise();
+      model_.move_pose(pose);
+      model_.bound_waiting_noise(position_variance, heading_variance);
+    }
+    return before;
+  }
+  void put_back(const Placement& before) {
+    if constexpr (kHasWorldLandmarks) {
+      model_.move_pose(before.pose);
+      model_.set_waiting_noise(before.waiting_noise);
+    }
+  }
+
   /// Where the heading has become so unsure that a turn about the error's distant centre would not
   /// be linear, moves that centre to the vehicle; the estimate stays. Before an update, after what
   /// widened the pose. Whether it moved. Cost: then n (n + 1) multiply-adds.

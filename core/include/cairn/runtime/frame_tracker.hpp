@@ -189,7 +189,8 @@ class FrameTracker {
   NotTracked why_not_tracked(Status status) const;
   bool doubted() const;
   bool unsure() const;
-  float most_chance(int matches) const;
+  PixelUpdate update_unsure(Frame& frame, typename Measurement::Matches& matches);
+  int min_inliers() const;
   void begin_anew(Frame& frame);
   int planned_searches() const;
   bool relocalises() const;

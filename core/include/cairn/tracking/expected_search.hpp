@@ -2,6 +2,7 @@
 
 #include "cairn/map/visibility.hpp"
 #include "cairn/tracking/active_search.hpp"
+#include "cairn/tracking/live_landmark.hpp"
 
 namespace cairn {
 
@@ -70,6 +71,52 @@ ExpectedCounts search_expected(const ImageView& image, const PinholeCamera<float
     scratch.matches.push_back(match);
   }
   return counts;
+}
+
+/// Searches `image` for landmarks of the filter (LiveLandmarks) in the same way, each by its patch
+/// or its descriptor, and adds those found to scratch.matches. Returns how many the pose predicted
+/// that are not among them already. Cost: a projection and a search_landmark() for each.
+template <class Live, int Capacity>
+int search_live(const ImageView& image, const PinholeCamera<float>& camera,
+                const Rigid<float>& T_map_camera, const Live& live, const ExpectedSearch& how,
+                ExpectedScratch<Capacity>& scratch, WorkBudget& budget) {
+  int expected = 0;
+  const int from_library = scratch.matches.size();
+  for (int slot = 0; slot < live.size(); ++slot) {
+    LiveLandmark landmark;
+    if (!live.get(slot, landmark)) continue;
+    PixelPrediction<float> prediction;
+    prediction.id = landmark.id;
+    prediction.slot = slot;
+    prediction.p_camera = T_map_camera.inverse() * landmark.p_map;
+    prediction.covariance = Matrix2<float>::Identity() * how.variance_px2;
+    if (!ok(camera.project(prediction.p_camera, prediction.pixel)) ||
+        !camera.contains(prediction.pixel, how.visibility.margin_px)) {
+      continue;
+    }
+    bool known = false;
+    for (int i = 0; i < from_library && !known; ++i) known = scratch.matches[i].id == landmark.id;
+    if (known) continue;
+    const Appearance& appearance = landmark.record->appearance;
+    Matrix2<float> warp;
+    if (!ok(predict_warp(camera, appearance.T_world_reference, live.to_world(T_map_camera),
+                         prediction.p_camera, warp)) ||
+        !budget.affords(work::kLandmarkSearch)) {
+      continue;
+    }
+    ++expected;
+    PixelMatch<float> match;
+    SearchReport search;
+    const Status status = search_landmark(image, prediction, appearance, warp, how.search,
+                                          scratch.search, match.pixel, search);
+    budget.spend(search.work);
+    if (!ok(status)) continue;
+    match.id = landmark.id;
+    match.slot = slot;
+    match.descriptor_distance = search.distance;
+    scratch.matches.push_back(match);
+  }
+  return expected;
 }
 
 }  // namespace cairn

@@ -62,4 +62,21 @@ Status find_planar_pose(const PlanarView& view, const PlanarPrior& prior,
                         const PlanarPoseOptions& options, PlanarPose<float>& pose,
                         int& inlier_count);
 
+/// The same from a prior so unsure that one sighting leaves wide places for the others, where false
+/// ones agree as well: hypotheses of two sightings, which leave nothing open. `max_chance`: largest
+/// chance that false sightings, anywhere in their ellipses under the prior or in `most_window_px2`,
+/// agree as the inliers do; more is kNoConsensus. Cost: kMostPairs hypotheses of count + 8
+/// projections.
+struct PlanarConsensusOptions {
+  static constexpr int kMostPairs = 16;
+  PlanarPoseOptions pose;
+  float window_gate = 18.42F;
+  float most_window_px2 = 2560.0F;
+  float max_chance = 1e-6F;
+};
+Status find_planar_consensus(const PlanarView& view, const PlanarPrior& prior,
+                             const PlanarSighting* sightings, int count,
+                             const PlanarConsensusOptions& options, PlanarPose<float>& pose,
+                             bool* inliers, int& inlier_count);
+
 }  // namespace cairn

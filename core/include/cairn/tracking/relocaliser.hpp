@@ -127,12 +127,13 @@ class Relocaliser {
            kMaxNear * kMaxFeatures / kPairsPerUnit + kMaxNear * kMaxNear / kHypothesesPerUnit;
   }
 
-  /// Looks for the pose of the image near a prior: each landmark that should be in view is compared
-  /// only with the features inside its ellipse. True where T_map_camera() is the pose; false where
-  /// none was found, and step() continues. Cost: near_work().
-  template <class Library>
+  /// Looks for the pose of the image near a prior: each landmark of the library, and of `live`
+  /// (LiveLandmarks), that should be in view is compared only with the features inside its ellipse.
+  /// True where T_map_camera() is the pose; false where none was found, and step() continues. Cost:
+  /// near_work().
+  template <class Library, class Live>
   bool find_near(const PlanarView& view, const PlanarPrior& prior, const Library& library,
-                 const Parameters& parameters, Scratch& scratch);
+                 const Live& live, const Parameters& parameters, Scratch& scratch);
 
   /// Begins with an image: FAST cell by cell, then at most kMaxFeatures descriptors. Cost: at most
   /// `max_capture_work` units, and no more than `budget` has.
@@ -191,6 +192,12 @@ class Relocaliser {
     return samples * kSample + poses * kMaxMatches / kMatchesPerUnit;
   }
   static constexpr int conclusion_work() { return 50 + 9 * kMaxMatches; }
+
+  template <class Live>
+  int sight_live(const PlanarView& view, const PlanarPrior& prior, const Live& live,
+                 float margin_px, const Parameters& parameters, PlanarSighting* sightings) const;
+  bool sight(const PlanarView& view, const PlanarPrior& prior, const Descriptor& descriptor,
+             const Parameters& parameters, PlanarSighting& sighting) const;
 
   template <class Library>
   Outcome look_for_pose(const PinholeCamera<Scalar>& camera, const Library& library,
@@ -285,60 +292,6 @@ class Relocaliser {
   bool matched_ = false;  ///< the whole library was compared
 };
 
-template <class Config>
-template <class Library>
-bool Relocaliser<Config>::find_near(const PlanarView& view, const PlanarPrior& prior,
-                                    const Library& library, const Parameters& parameters,
-                                    Scratch& scratch) {
-  constexpr float kWideGate = 13.82F;  // 99.9 %
-  constexpr float kBeyondImage_px = 80.0F;
-  auto& near = *new (&scratch.near) typename Scratch::Near();
-  VisibilityOptions<float> options;
-  options.margin_px = -kBeyondImage_px;
-  options.min_cosine = 0.7F;
-  options.min_scale = 0.5F;
-  options.max_scale = 2.2F;
-  const Rigid<float> T_map_vehicle = on_floor(prior.pose);
-  const int count = find_visible(library, view.camera, T_map_vehicle * view.T_vehicle_camera,
-                                 options, Span<LandmarkId>{}, near.visible, kMaxNear);
-  int sightings = 0;
-  for (int i = 0; i < count; ++i) {
-    const auto& landmark = library[near.visible[i].slot];
-    Vector2<float> pixel;
-    Matrix<float, 2, 3> jacobian;
-    if (!ok(view.predict(prior.pose, landmark.p_map, pixel, jacobian))) continue;
-    const float distance = near.visible[i].prediction.p_camera.z();
-    PlanarSighting& sighting = near.sightings[sightings];
-    sighting.p_map = landmark.p_map;
-    sighting.sigma_px =
-        sqrt(square(parameters.sigma_px) +
-             landmark.covariance.trace() / 3.0F * square(view.camera.fx / distance) +
-             square(view.tilt_px()));
-    const Matrix2<float> S = jacobian * prior.covariance * jacobian.transpose() +
-                             square(sighting.sigma_px) * Matrix2<float>::Identity();
-    float i00 = 0.0F;
-    float i01 = 0.0F;
-    float i11 = 0.0F;
-    if (!invert_spd2(S(0, 0), S(0, 1), S(1, 1), i00, i01, i11)) continue;
-    const int feature = matcher_.best_of(
-        landmark.views[0].descriptor, parameters.matcher, [&](const Vector2<float>& at) {
-          const Vector2<float> e = at - pixel;
-          return e.x() * e.x() * i00 + 2.0F * e.x() * e.y() * i01 + e.y() * e.y() * i11 <=
-                 kWideGate;
-        });
-    if (feature < 0) continue;
-    sighting.pixel = matcher_.pixel(feature);
-    ++sightings;
-  }
-  PlanarPose<float> pose;
-  int inlier_count = 0;
-  if (!ok(find_planar_pose(view, prior, near.sightings, sightings, parameters.near, pose,
-                           inlier_count))) {
-    return false;
-  }
-  T_map_camera_ = on_floor(pose) * view.T_vehicle_camera;
-  working_ = false;
-  return true;
-}
-
 }  // namespace cairn
+
+#include "cairn/tracking/detail/relocaliser_near.hpp"

@@ -34,6 +34,12 @@ class TrackedLandmarks {
     }
     return nullptr;
   }
+  const TrackedLandmark* find(LandmarkId id) const {
+    for (const TrackedLandmark& entry : entries_) {
+      if (entry.id == id) return &entry;
+    }
+    return nullptr;
+  }
   bool add(const TrackedLandmark& landmark) { return entries_.push_back(landmark); }
   void remove(LandmarkId id) {
     for (int i = 0; i < entries_.size(); ++i) {

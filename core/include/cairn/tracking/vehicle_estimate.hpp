@@ -82,18 +82,6 @@ class VehicleEstimate {
   int projection_work() const {
     return work::kProjection + (filter_.tilts() ? work::kTiltedProjection : 0);
   }
-  /// After an update that made an unsure heading, of that variance before, sure: what a linear
-  /// update leaves of so large a turn, half of its square, seen from landmarks a camera height
-  /// away.
-  void allow_for_bending(float heading_variance) {
-    constexpr float kLeast_rad = 0.01F;
-    constexpr float kMost_rad = 0.05F;  // more, and windows become too wide
-    const float bend = 0.5F * (heading_variance - filter_.pose_covariance()(2, 2));
-    if (!(bend > kLeast_rad)) return;
-    const float turned = bend < kMost_rad ? bend : kMost_rad;
-    const float moved = T_vehicle_camera().translation.z() * turned;
-    static_cast<void>(filter_.widen_pose(square(moved), square(turned)));
-  }
   /// Prepares the filter for an update at a pose that may have become unsure; the units of work
   /// that it took.
   int recentre() { return filter_.recentre() ? work::recentring(state_count()) : 0; }
@@ -102,10 +90,28 @@ class VehicleEstimate {
 
   /// Updates the filter with the matches that the frame can pay for; the last ones, which are the
   /// least informative, are left out first. Sets `inlier` of the others. `min_inliers`: inliers
-  /// that RANSAC must find; `max_chance`: OnePointRansacParameters. Errors, in the result: as
-  /// Filter::update_pixels(); no match is then an inlier.
-  PixelUpdate update(FrameContext& frame, Matches& matches, int min_inliers,
-                     float max_chance = 1.0F);
+  /// that RANSAC must find. Errors, in the result: as Filter::update_pixels(); no match is then an
+  /// inlier.
+  PixelUpdate update(FrameContext& frame, Matches& matches, int min_inliers);
+
+  using Placement = typename Filter::Placement;
+  /// The filter's pose is `pose`, which was recognised, to a tenth of a radian and half of the
+  /// camera's height.
+  Placement place(const PlanarPose<float>& pose) {
+    constexpr float kHeading_rad = 0.1F;
+    const float position_m = 0.5F * T_vehicle_camera_.translation.z();
+    return filter_.place(pose, square(position_m), square(kHeading_rad));
+  }
+  /// Before the update of an unsure pose, over which pixels are not linear and false matches agree:
+  /// finds the pose that the matches agree on and leaves those alone. False, all unchanged, where
+  /// chance would agree as well or the frame cannot pay for it. `sightings`: memory for
+  /// PlanarPoseOptions::kMaxSightings.
+  bool find_agreed(FrameContext& frame, Matches& matches, PlanarSighting* sightings,
+                   PlanarPose<float>& pose) const;
+  /// Most units of work that find_agreed() takes.
+  static constexpr int agreement_work(int matches) {
+    return PlanarConsensusOptions::kMostPairs * (8 + 2 * matches);  // a unit a projection
+  }
 
   /// Takes the patch of a landmark that has none, seen at `pixel`. False where it has one, or the
   /// frame cannot pay for it. Near the image border it stays without, until it is seen elsewhere.
@@ -187,12 +193,11 @@ int VehicleEstimate<Filter>::update_work(int matches) const {
 }
 
 template <class Filter>
-PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matches, int min_inliers,
-                                            float max_chance) {
+PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matches,
+                                            int min_inliers) {
   PixelUpdate result;
   OnePointRansacParameters ransac = ransac_;
   ransac.min_inliers = min_inliers;
-  ransac.max_chance = max_chance;
   filter_.set_ransac(ransac);
   const int used =
       affordable_matches(matches.size(), frame.work, [&](int n) { return update_work(n); });
@@ -210,6 +215,35 @@ PixelUpdate VehicleEstimate<Filter>::update(FrameContext& frame, Matches& matche
     result.inliers += match.inlier ? 1 : 0;
   }
   return result;
+}
+
+template <class Filter>
+bool VehicleEstimate<Filter>::find_agreed(FrameContext& frame, Matches& matches,
+                                          PlanarSighting* sightings,
+                                          PlanarPose<float>& pose) const {
+  constexpr float kSigmas = 2.0F;  // of a pixel, with the landmark's own error
+  constexpr int kMost = PlanarPoseOptions::kMaxSightings;
+  const int count = matches.size() < kMost ? matches.size() : kMost;
+  if (!frame.work.take(agreement_work(count))) return false;
+  const Rigid<float> T_level_camera = this->T_level_camera();
+  const PlanarView view = {camera_, T_level_camera, sigma_tilt()};
+  for (int i = 0; i < count; ++i) {
+    sightings[i].p_map = filter_.mean_landmark(filter_.find(matches[i].id));
+    sightings[i].pixel = matches[i].pixel;
+    sightings[i].sigma_px = sqrt(square(kSigmas * sigma_px_) + square(view.tilt_px()));
+  }
+  bool inliers[kMost] = {};
+  int inlier_count = 0;
+  if (!ok(find_planar_consensus(view, {filter_.mean_pose(), filter_.pose_covariance()}, sightings,
+                                count, PlanarConsensusOptions{}, pose, inliers, inlier_count))) {
+    return false;
+  }
+  int kept = 0;
+  for (int i = 0; i < count; ++i) {
+    if (inliers[i]) matches[kept++] = matches[i];
+  }
+  matches.resize(kept);
+  return true;
 }
 
 template <class Filter>

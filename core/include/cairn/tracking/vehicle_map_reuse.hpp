@@ -2,6 +2,7 @@
 
 #include <new>
 
+#include "cairn/tracking/live_landmarks.hpp"
 #include "cairn/tracking/vehicle_archive.hpp"
 #include "cairn/tracking/vehicle_local_map.hpp"
 #include "cairn/tracking/vehicle_relocalisation.hpp"
@@ -99,10 +100,19 @@ class VehicleMapReuse {
   }
   bool plausible(const Estimate& estimate, const Rigid<float>& T_map_camera) const;
   bool in_known_place(Frame& frame, const Estimate& estimate, const Library& library) const;
+  /// Where the pose is unsure the filter's own landmarks show the place too.
+  LiveLandmarks<Filter> live_landmarks(const Estimate& estimate, bool unsure) const {
+    return {estimate, archive_.T_world_map(estimate.filter()), unsure};
+  }
   PlaceVerification verify(Frame& frame, Estimate& estimate, LocalMap& local_map,
-                           const TrackingMonitor& monitor, const Library& library);
-  int search_place(Frame& frame, const Estimate& estimate, const Library& library,
+                           const TrackingMonitor& monitor, const Library& library, bool unsure);
+  int search_place(Frame& frame, const Estimate& estimate, const Library& library, bool unsure,
                    Scratch& scratch) const;
+  Rigid<float> T_map_camera_found(const Estimate& estimate) const {
+    return relocalisation_.T_map_camera() *
+           (relocalisation_.T_world_camera().inverse() * estimate.T_world_camera());
+  }
+  PlanarPose<float> pose_found(const Estimate& estimate) const;
   void reactivate_matches(Frame& frame, Estimate& estimate, const Library& library,
                           Scratch& scratch, FixedVector<LandmarkId, kMaxVisible>& reactivated);
 
@@ -152,7 +162,7 @@ PlaceVerification VehicleMapReuse<Config, Filter>::relocalise(Frame& frame, Esti
   PlaceVerification result;
   WorkBudget& budget = frame.work.budget();
   if (relocalisation_.take_found()) {
-    result = verify(frame, estimate, local_map, monitor, library);
+    result = verify(frame, estimate, local_map, monitor, library, unsure);
     if (result.confirmed) {
       frame.report.relocalised = true;
       ++frame.health.relocalisations;
@@ -168,9 +178,9 @@ PlaceVerification VehicleMapReuse<Config, Filter>::relocalise(Frame& frame, Esti
                             frame.scratch.relocaliser, budget);
     return result;
   }
-  const Outcome outcome =
-      relocalisation_.step({frame.camera, estimate.T_level_camera(), estimate.sigma_tilt()},
-                           library, frame.random, frame.scratch.relocaliser, budget);
+  const Outcome outcome = relocalisation_.step(
+      {frame.camera, estimate.T_level_camera(), estimate.sigma_tilt()}, library,
+      live_landmarks(estimate, unsure), frame.random, frame.scratch.relocaliser, budget);
   if (outcome == Outcome::kFound && !plausible(estimate, relocalisation_.T_map_camera())) {
     refuse(frame);
   }
@@ -222,22 +232,25 @@ bool VehicleMapReuse<Config, Filter>::plausible(const Estimate& estimate,
   return error.dot(S.inverse() * error) <= kGateDof3;
 }
 
-/// Searches the present image for the library landmarks that the pose found predicts, and updates
-/// the filter with them; the filter's own gates decide. When it refuses them, the landmarks that
-/// were reactivated for it are removed again.
+/// Searches the present image for the landmarks that the pose found predicts, and updates the
+/// filter with them; the filter's own gates decide. When it refuses them, the landmarks that were
+/// reactivated for it are removed again. From an unsure pose measurements are not linear: the
+/// filter is placed at the pose found first, and put back where it is refused.
 template <class Config, class Filter>
 PlaceVerification VehicleMapReuse<Config, Filter>::verify(Frame& frame, Estimate& estimate,
                                                           LocalMap& local_map,
                                                           const TrackingMonitor& monitor,
-                                                          const Library& library) {
+                                                          const Library& library, bool unsure) {
   PlaceVerification result;
   Scratch& scratch = begin_scratch(frame);
-  const int expected = search_place(frame, estimate, library, scratch);
+  const int expected = search_place(frame, estimate, library, unsure, scratch);
   if (!monitor.confirms_place(scratch.matches.size(), expected)) return result;
   local_map.make_room(frame, estimate, archive_, scratch.matches.size() + 2, kMaxLandmarks);
   FixedVector<LandmarkId, kMaxVisible> reactivated;
   reactivate_matches(frame, estimate, library, scratch, reactivated);
   result.matches = scratch.matches.size();
+  const typename Estimate::Placement before =
+      unsure ? estimate.place(pose_found(estimate)) : typename Estimate::Placement{};
   if (result.matches > 0) {
     result.update = estimate.update(frame, scratch.matches,
                                     monitor.min_relocalisation_inliers(scratch.matches.size()));
@@ -245,26 +258,41 @@ PlaceVerification VehicleMapReuse<Config, Filter>::verify(Frame& frame, Estimate
   result.updated = true;
   result.confirmed = result.update.inliers > 0;
   if (result.confirmed) return result;
+  if (unsure) estimate.filter().put_back(before);
   for (const LandmarkId id : reactivated) estimate.remove(frame, estimate.filter().find(id));
   return result;
+}
+
+template <class Config, class Filter>
+PlanarPose<float> VehicleMapReuse<Config, Filter>::pose_found(const Estimate& estimate) const {
+  const Rigid<float> T_world_vehicle = archive_.T_world_map(estimate.filter()) *
+                                       T_map_camera_found(estimate) *
+                                       estimate.T_level_camera().inverse();
+  const Vector3<float> forward = T_world_vehicle.rotation * Vector3<float>::UnitX();
+  PlanarPose<float> pose;
+  pose.position = T_world_vehicle.translation.template head<2>();
+  pose.heading = atan2(forward.y(), forward.x());
+  return pose;
 }
 
 /// Returns how many landmarks were expected.
 template <class Config, class Filter>
 int VehicleMapReuse<Config, Filter>::search_place(Frame& frame, const Estimate& estimate,
-                                                  const Library& library, Scratch& scratch) const {
-  const Rigid<float> T_map_camera =
-      relocalisation_.T_map_camera() *
-      (relocalisation_.T_world_camera().inverse() * estimate.T_world_camera());
+                                                  const Library& library, bool unsure,
+                                                  Scratch& scratch) const {
+  const Rigid<float> T_map_camera = T_map_camera_found(estimate);
   ExpectedSearch how;
   how.visibility.margin_px = 30.0F;
   how.visibility.min_cosine = 0.9F;
   how.search = search_;
   how.variance_px2 = 16.0F;  // of the pose found, and of odometry since its image
   frame.work.spend(library.size() * work::kLibrarySlot);
-  return search_expected(frame.image, frame.camera, T_map_camera, library, how, scratch,
-                         frame.work.budget())
-      .visible;
+  const int in_library = search_expected(frame.image, frame.camera, T_map_camera, library, how,
+                                         scratch, frame.work.budget())
+                             .visible;
+  return in_library + search_live(frame.image, frame.camera, T_map_camera,
+                                  live_landmarks(estimate, unsure), how, scratch,
+                                  frame.work.budget());
 }
 
 /// Leaves the matches of landmarks that are in the filter, with its slots.

@@ -81,13 +81,13 @@ class VehicleRelocalisation {
     static_cast<void>(engine_.capture(image, parameters_.engine, scratch, budget));
   }
 
-  /// One step with the captured image. Cost: next_work(), or nothing where `budget` does not
-  /// afford it.
-  template <class Library>
-  Outcome step(const PlanarView& view, const Library& library, Random& random, Scratch& scratch,
-               WorkBudget& budget) {
+  /// One step with the captured image, `live` the landmarks of the filter that count too. Cost:
+  /// next_work(), or nothing where `budget` does not afford it.
+  template <class Library, class Live>
+  Outcome step(const PlanarView& view, const Library& library, const Live& live, Random& random,
+               Scratch& scratch, WorkBudget& budget) {
     captured_ = false;
-    if (!compared_near_) return compare_near(view, library, scratch, budget);
+    if (!compared_near_) return compare_near(view, library, live, scratch, budget);
     if (!budget.affords(Engine::step_work(parameters_.engine))) return Outcome::kWorking;
     switch (engine_.step(view.camera, library, parameters_.engine, random, scratch, budget)) {
       case Engine::Outcome::kFound:
@@ -120,13 +120,13 @@ class VehicleRelocalisation {
   void note_unknown() { ++unrecognised_; }
 
  private:
-  template <class Library>
-  Outcome compare_near(const PlanarView& view, const Library& library, Scratch& scratch,
-                       WorkBudget& budget) {
+  template <class Library, class Live>
+  Outcome compare_near(const PlanarView& view, const Library& library, const Live& live,
+                       Scratch& scratch, WorkBudget& budget) {
     if (!budget.affords(Engine::near_work())) return Outcome::kWorking;
     budget.spend(Engine::near_work());
     compared_near_ = true;
-    found_ = engine_.find_near(view, prior_, library, parameters_.engine, scratch);
+    found_ = engine_.find_near(view, prior_, library, live, parameters_.engine, scratch);
     if (found_) return Outcome::kFoundNear;
     if (++looks_ % parameters_.whole_library_every == 0) return Outcome::kWorking;
     engine_.reset();

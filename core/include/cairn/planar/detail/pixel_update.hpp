@@ -47,7 +47,7 @@ class PixelUpdate {
         candidates_, filter_.parameters_.ransac, random,
         [this](int candidate, bool* inliers) { return test_hypothesis(candidate, inliers); });
     report_.hypotheses = best.hypotheses;
-    if (!best.consensus || may_be_chance(best)) {
+    if (!best.consensus) {
       note_missing_consensus();
       return Status::kNoConsensus;
     }
@@ -173,40 +173,11 @@ class PixelUpdate {
         T squared = T(0);
         if (!left.mahalanobis(residual, squared)) continue;
         if (!(squared <= filter_.parameters_.ransac_threshold)) continue;
-        if (weighs_) weigh(left, filter_.prior_[k]);
       }
       inliers[k] = true;
       ++inlier_count;
     }
     return inlier_count;
-  }
-
-  /// Whether false matches would agree as well: where the prior is wide, one match leaves a wide
-  /// place for the others.
-  bool may_be_chance(const OnePointRansacResult<Filter::kMaxObservations>& best) {
-    const T most = static_cast<T>(filter_.parameters_.ransac.max_chance);
-    if (!(most < T(1)) || best.candidate < 0) return false;
-    bool inliers[Filter::kMaxObservations] = {};
-    squared_chance_ = T(1);
-    weighs_ = true;
-    test_hypothesis(best.candidate, inliers);
-    weighs_ = false;
-    return squared_chance_ > square(most);
-  }
-
-  /// A false match lies anywhere in its window: in the ellipse of the inliers, which `left` has, as
-  /// often as the share of it. Windows are no larger than what is searched.
-  void weigh(const InnovationCovariance<T>& left, const InnovationCovariance<T>& prior) {
-    constexpr T kLargestWindow_px2 = T(2560);
-    constexpr T kLeast = T(1e-30);
-    const auto squared_area = [](const InnovationCovariance<T>& s, T gate) {
-      return square(kPi<T> * gate) * (s.s00 * s.s11 - s.s01 * s.s01);
-    };
-    const T agreeing = squared_area(left, filter_.parameters_.ransac_threshold);
-    const T window = squared_area(prior, filter_.parameters_.gate);
-    const T most = square(kLargestWindow_px2);
-    const T share = agreeing / (window < most ? window : most);
-    if (share < T(1) && squared_chance_ > kLeast) squared_chance_ *= share;
   }
 
   /// A gate that refuses most matches is evidence, matches that disagree are none. The next
@@ -287,8 +258,6 @@ class PixelUpdate {
   int count_;
   UpdateReport& report_;
   int candidates_ = 0;
-  T squared_chance_ = T(1);
-  bool weighs_ = false;
 };
 
 }  // namespace cairn::detail

@@ -47,6 +47,15 @@ class CartesianMap {
     pose.heading = heading_;
     return pose;
   }
+  void move_pose(const PlanarPose<T>& pose) {
+    x_[0] = pose.position.x() - anchor_[0];
+    x_[1] = pose.position.y() - anchor_[1];
+    heading_ = pose.heading;
+  }
+  /// Noise that waits to enter the covariance: none, where there is no such.
+  Matrix3<T> waiting_noise() const { return Matrix3<T>::Zero(); }
+  void set_waiting_noise(const Matrix3<T>&) {}
+  void bound_waiting_noise(T, T) {}
   LandmarkVector mean_landmark(int slot) const {
     LandmarkVector p;
     for (int i = 0; i < LandmarkDim; ++i) p(i) = p_[slot][i];

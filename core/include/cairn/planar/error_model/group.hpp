@@ -55,6 +55,20 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     }
   }
 
+  Matrix3<T> waiting_noise() const { return W_; }
+  void set_waiting_noise(const Matrix3<T>& noise) {
+    W_ = noise;
+    deferred_ = true;
+  }
+  /// The pose is known otherwise to these variances: odometry's noise is no more than that.
+  void bound_waiting_noise(T position_variance, T heading_variance) {
+    const T position = W_(1, 1) > W_(2, 2) ? W_(1, 1) : W_(2, 2);
+    const T heading = W_(0, 0);
+    W_.setZero();
+    widen_pose(position < position_variance ? position : position_variance,
+               heading < heading_variance ? heading : heading_variance);
+  }
+
   void propagate(const PlanarIncrement<T>& increment);
   void widen_pose(T position_variance, T heading_variance);
   /// Whether the heading is so unsure that the vehicle's place, turned about the anchor by an error

@@ -38,16 +38,6 @@ void FrameTracker<Config, Filter>::check_yaw(const ImageView& image) {
   health_.yaw_suspicions += yaw_check_.suspect() ? 1 : 0;
 }
 
-/// Where the pose is unsure false matches may agree, unless nearly all that is expected in view is
-/// found: the largest chance of it.
-template <class Config, class Filter>
-float FrameTracker<Config, Filter>::most_chance(int matches) const {
-  constexpr float kMostChance = 1e-6F;  // times the hypotheses, and the frames that are unsure
-  constexpr int kFewest = 8;
-  const bool nearly_all = matches >= kFewest && 5 * matches >= 4 * measurement_.counts().searched;
-  return unsure() && !nearly_all ? kMostChance : 1.0F;
-}
-
 /// Since the pose was last seen the heading became so unsure that landmarks are not where they are
 /// expected: few of them in view say nothing, and matches in windows of that size are mostly
 /// chance.
@@ -56,6 +46,23 @@ bool FrameTracker<Config, Filter>::unsure() const {
   constexpr float kMostYaw_rad = 0.12F;
   return monitor_.state() != TrackingState::kInitialising &&
          unseen_yaw_ + odometry_.yaw_variance() > square(kMostYaw_rad);
+}
+
+/// An update about the pose that the matches agree on; nothing changes where there is none.
+template <class Config, class Filter>
+PixelUpdate FrameTracker<Config, Filter>::update_unsure(Frame& frame,
+                                                        typename Measurement::Matches& matches) {
+  auto& scratch = *new (&scratch_.relocaliser.near) typename Relocaliser<Config>::Scratch::Near();
+  PixelUpdate update;
+  update.status = Status::kNoConsensus;
+  PlanarPose<float> agreed;
+  if (!estimate_.find_agreed(frame, matches, scratch.sightings, agreed)) return update;
+  const typename Estimate::Placement before = estimate_.place(agreed);
+  const int least = monitor_.parameters().min_inliers;
+  const int wanted = min_inliers();
+  update = estimate_.update(frame, matches, wanted > least ? wanted : least);
+  if (update.inliers == 0) estimate_.filter().put_back(before);
+  return update;
 }
 
 /// From odometry's pose, as unsure as it is. What was mapped before would be found in the new map's

@@ -131,10 +131,11 @@ void FrameTracker<Config, Filter>::measure(Frame& frame) {
   const int planned = planned_searches();
   const int landmarks = estimate_.size();
   const bool updates = work_.affords(estimate_.update_work(estimate_.min_inliers()));
+  const int most = planned < landmarks ? planned : landmarks;
+  const int update_work =
+      estimate_.update_work(most) + (unsure() ? Estimate::agreement_work(most) : 0);
   const int units =
-      updates ? work_.for_searches(relocalises ? map_reuse_.next_work() : 0,
-                                   estimate_.update_work(planned < landmarks ? planned : landmarks))
-              : 0;
+      updates ? work_.for_searches(relocalises ? map_reuse_.next_work() : 0, update_work) : 0;
   measurement_.search(frame, estimate_, estimate_.landmarks(), SearchPass::kAll,
                       SearchOrder::kMostUncertain, planned, units, scratch_.search);
 }
@@ -156,22 +157,22 @@ template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   typename Measurement::Matches& matches = measurement_.matches();
   const bool thin = thin_map_ && local_map_.is_thin(measurement_.counts().searched);
-  if (!matches.empty() && monitor_.enough_matches(measurement_.counts(), thin)) {
-    const int inlier_count = monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
+  if (!matches.empty() && (unsure() || monitor_.enough_matches(measurement_.counts(), thin))) {
     const PlanarPose<float> predicted = filter().mean_pose();
-    const float heading_variance = filter().pose_covariance()(2, 2);
     const PixelUpdate update =
-        estimate_.update(frame, matches, inlier_count, most_chance(matches.size()));
+        unsure() ? update_unsure(frame, matches) : estimate_.update(frame, matches, min_inliers());
     measurement_.note_update(update);
-    if (monitor_.holds(measurement_.counts())) {
-      note_correction(predicted);
-      estimate_.allow_for_bending(heading_variance);
-    }
+    if (monitor_.holds(measurement_.counts())) note_correction(predicted);
     frame.report.update = update.report;
     if (ok(status)) status = update.status;
   }
   note_matches(frame, matches);
   return status;
+}
+
+template <class Config, class Filter>
+int FrameTracker<Config, Filter>::min_inliers() const {
+  return monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
 }
 
 /// Tells odometry how far the image moved the pose along its heading. Where the pose was not known
