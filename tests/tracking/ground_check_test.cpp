@@ -1,5 +1,7 @@
 #include "cairn/tracking/ground_check.hpp"
 
+#include <vector>
+
 #include <gtest/gtest.h>
 
 namespace cairn {
@@ -110,6 +112,46 @@ TEST_F(GroundBelowACamera, SaysNothingOfACameraOnTheGround) {
     EXPECT_EQ(check_.ratio(), 0.0F);
     EXPECT_FALSE(check_.suspect());
   }
+}
+
+/// A vehicle whose camera is told to be 1 m high drives over landmarks, one every `apart_m`.
+GroundCheck drive_over(const std::vector<float>& below_m, float apart_m) {
+  GroundCheck check;
+  check.reset(1.0F);
+  for (const float below : below_m) {
+    for (int k = 0; k < 10; ++k) check.note_way(0.1F * apart_m);
+    check.note_on_way(below);
+  }
+  return check;
+}
+
+TEST(GroundOnTheWay, TellsSpeedsThatAreTooSmallOrAHeightThatIsTooLarge) {
+  const std::vector<float> seen = {0.8F, 0.84F, 0.78F, 0.81F, 0.79F};
+  const GroundCheck check = drive_over(seen, 1.01F);
+  EXPECT_TRUE(check.suspect());
+  EXPECT_NEAR(check.ratio(), 0.8F, 0.02F);
+  EXPECT_FALSE(drive_over({seen.begin(), seen.end() - 1}, 1.01F).suspect()) << "too few";
+}
+
+TEST(GroundOnTheWay, SaysNothingOfTheGroundWhereItWasTold) {
+  EXPECT_FALSE(drive_over({1.0F, 0.95F, 1.05F, 0.9F, 1.1F, 0.97F, 1.0F, 0.92F}, 1.01F).suspect());
+}
+
+/// It comes up to a box before which it stops, again and again.
+TEST(GroundOnTheWay, SaysNothingOfWhatIsNotDrivenOver) {
+  EXPECT_FALSE(drive_over(std::vector<float>(30, 0.8F), 0.1F).suspect());
+}
+
+/// The wall behind a curve fills the picture from the ground to the camera's height.
+TEST(GroundOnTheWay, SaysNothingOfAWall) {
+  std::vector<float> wall;
+  for (int i = 0; i < 40; ++i)
+    wall.push_back(0.35F + 0.65F * static_cast<float>(i * 7 % 40) / 40.0F);
+  EXPECT_FALSE(drive_over(wall, 1.01F).suspect());
+}
+
+TEST(GroundOnTheWay, BearsPlacesThatAreNone) {
+  EXPECT_FALSE(drive_over({-1.0F, 0.0F, 1e-30F, 1e30F, 1e-30F, 1e30F, 1e-30F}, 1e6F).suspect());
 }
 
 }  // namespace

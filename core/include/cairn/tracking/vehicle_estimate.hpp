@@ -136,6 +136,7 @@ class VehicleEstimate {
   /// The vehicle moved by `ahead_m` by odometry, and the image added `correction_m` to it: what
   /// that says of the floor's height, where the floor gives the map its scale.
   void check_ground(float ahead_m, float correction_m) {
+    ground_.note_way(ahead_m);
     if (floor_.sigma_m > 0.0F && floor_proof_.proven()) ground_.note_step(ahead_m, correction_m);
   }
   const GroundCheck& ground() const { return ground_; }
@@ -286,6 +287,9 @@ void VehicleEstimate<Filter>::check_ground(FrameContext& frame, TrackedLandmark&
   if (filter_.landmark_covariance(slot)(2, 2) > square(kMostSigma * below_m)) return;
   landmark.in_ground_check = true;
   ground_.note_landmark(below_m);
+  constexpr float kHalfWay = 0.5F;  // of the camera's height
+  const Vector3<float> ahead = T_world_vehicle().inverse() * place;
+  if (ahead.x() > 0.0F && abs(ahead.y()) < kHalfWay * height_m) ground_.note_on_way(below_m);
 }
 
 template <class Filter>
