@@ -18,8 +18,10 @@ bool is_below(float ratio) {
   return ratio > 1.0F + kMostOff;
 }
 
+/// A floor that has proven flat has no slopes: wheels and their noise are what is left.
 bool is_off(float ratio) {
-  return ratio > 0.0F && abs(ratio - 1.0F) > kMostOff;
+  constexpr float kMostOffOnFloor = 0.08F;
+  return ratio > 0.0F && abs(ratio - 1.0F) > kMostOffOnFloor;
 }
 
 bool is_above(float ratio) {
@@ -127,7 +129,7 @@ float GroundCheck::by_way() const {
 
 /// Distances that a floor at the assumed height makes of the pictures are in proportion to it.
 float GroundCheck::by_distance() const {
-  constexpr float kFewestHeights = 4.0F;
+  constexpr float kFewestHeights = 3.0F;
   constexpr float kLeastShare = 0.2F;  // shorter by more is no scale: the images went another way
   if (!(ahead_m_ > kFewestHeights * height_m_)) return 0.0F;
   const float shown_m = ahead_m_ + correction_m_;
