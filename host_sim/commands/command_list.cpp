@@ -8,6 +8,7 @@
 #include "host_sim/commands/inject_command.hpp"
 #include "host_sim/commands/laps_command.hpp"
 #include "host_sim/commands/merge_command.hpp"
+#include "host_sim/commands/miscalibration_command.hpp"
 #include "host_sim/commands/relocalisation_command.hpp"
 #include "host_sim/commands/replay_command.hpp"
 #include "host_sim/commands/robustness_command.hpp"
@@ -31,6 +32,7 @@ void register_commands(CommandContext& context) {
   register_relocalisation_command(context);
   register_laps_command(context);
   register_merge_command(context);
+  register_miscalibration_command(context);
   register_robustness_command(context);
   register_simulate_gyro_command(context);
   register_timing_command(context);

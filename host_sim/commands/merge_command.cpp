@@ -11,6 +11,7 @@
 #include "host_sim/commands/consistency_command.hpp"
 #include "host_sim/commands/inject_command.hpp"
 #include "host_sim/commands/laps_command.hpp"
+#include "host_sim/commands/miscalibration_command.hpp"
 #include "host_sim/commands/relocalisation_command.hpp"
 #include "host_sim/commands/robustness_command.hpp"
 #include "host_sim/commands/timing_command.hpp"
@@ -33,6 +34,7 @@ const std::map<std::string, ConcludeExperiment>& experiments() {
       {"consistency", conclude_consistency},
       {"inject", conclude_inject},
       {"laps", conclude_laps},
+      {"miscalibration", conclude_miscalibration},
       {"relocalisation", conclude_relocalisation},
       {"robustness", conclude_robustness},
       {"timing", conclude_timing},

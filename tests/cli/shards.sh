@@ -23,6 +23,8 @@ joins turntable "runs.csv|frames.csv" 0 \
 joins relocalisation "kidnapped.csv" 0 relocalisation --trials 1 --lengths 2 --first-frame 12 --last-frame 12
 [ "$(wc -l <"$work/relocalisation/joined/kidnapped.csv")" -eq 3 ] || fail "not two trials"
 grep -q '"holds": true' "$work/relocalisation/joined/summary.json" || fail "no summary of relocalisation"
+joins miscalibration "miscalibration.csv|miscalibration.md" 0 miscalibration hall-small --seeds 2 --max-frames 20
+[ "$(wc -l <"$work/miscalibration/joined/miscalibration.csv")" -eq 27 ] || fail "not 13 rows of two seeds"
 joins robustness "windows.csv|robustness.md" 0 \
   robustness hall-small --windows 16,8 --max-frames 24 --filter mono
 

@@ -54,6 +54,7 @@ expect 2 "--from" inject --from 0
 expect 3 "expected more than the 90 frames" inject --brief --frames 80
 expect 2 "--laps" laps --laps 0 --out out
 expect 2 "--width" laps --width 321 --out out
+expect 2 "--seeds" miscalibration --seeds 0 --out out
 expect 3 "gt_imu.csv" run starry-night:nowhere --out out
 expect 3 "nowhere" run tum-rgbd:nowhere --out out
 expect 0 "cairn|capacities|landmarks" info

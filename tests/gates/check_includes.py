@@ -59,10 +59,12 @@ HOST_BELOW = {
     "experiments/robustness": "base io sources trackers evaluation running",
     "experiments/faults": "base io replay world sources trackers evaluation running reports",
     "experiments/laps": "base io sources trackers",
+    "experiments/miscalibration": "base io sources trackers running",
     "experiments/vision": "base io",
     "commands": "base options io world sources calibration trackers evaluation running reports timing recorded "
                 "experiments/consistency experiments/turntable experiments/relocalisation "
-                "experiments/robustness experiments/faults experiments/laps experiments/vision",
+                "experiments/robustness experiments/faults experiments/laps experiments/miscalibration "
+                "experiments/vision",
     "main.cpp": "io options commands",
 }
 
