@@ -30,6 +30,36 @@ void expect_equal(const Drive& drive) {
   EXPECT_LT(drive.covariance_difference(), kSameCovariance);
 }
 
+/// Along an axis the noise across it is below the step of its format.
+TEST(FixedMotionNoise, ColumnsGiveTheCovarianceOfADriveNearlyAlongAnAxis) {
+  for (int k = 0; k < 400; ++k) {
+    FixedIncrement increment;
+    increment.distance = FixedOffset::nearest(0.1);
+    increment.distance_variance = FixedVariance::nearest(1.6e-5);
+    increment.turn_variance = FixedVariance::nearest(9e-6);
+    const double off = 1e-6 * std::pow(1.03, k);
+    const auto heading = FixedAngle::nearest((k % 2) * 1.5707963267948966 + off);
+    std::uint32_t saturations = 0;
+    detail::FixedMotionNoise noise;
+    noise.move(increment, detail::fixed_step(increment, heading, saturations), saturations);
+    const auto c = noise.columns(saturations);
+    const double unit = std::pow(0.5, detail::FixedMotionNoise::Columns::kBits);
+    const auto covariance = [&](int i, int j) {
+      double sum = static_cast<double>(c.along[i]) * static_cast<double>(c.along[j]);
+      for (const auto& column : c.rest) {
+        sum += static_cast<double>(column[i]) * static_cast<double>(column[j]);
+      }
+      return sum * unit * unit;
+    };
+    const double sine = std::sin(heading.to_double());
+    const double cosine = std::cos(heading.to_double());
+    ASSERT_NEAR(covariance(0, 0), 1.6e-5 * cosine * cosine, 1e-12) << off;
+    ASSERT_NEAR(covariance(1, 0), 1.6e-5 * cosine * sine, 1e-12) << off;
+    ASSERT_NEAR(covariance(1, 1), 1.6e-5 * sine * sine, 1e-12) << off;
+    ASSERT_EQ(saturations, 0U);
+  }
+}
+
 TEST(FixedFilter, EqualsDoubleWithPointsOfCorrelatedNoise) {
   Drive drive(1);
   const auto landmarks = ring();

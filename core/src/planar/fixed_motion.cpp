@@ -149,12 +149,18 @@ FixedMotionNoise::Columns FixedMotionNoise::columns(Count& saturations) const {
     return wide::add(variance.raw(), -wide::multiply(c.along[i], c.along[j], kSquared, saturations),
                      saturations);
   };
-  const FixedRoot x = square_root(rest(own_.xx, 0, 0), kVariance);
-  c.rest[0] = wide::scale(x.mantissa, kBits - x.bits, saturations);
-  c.rest[1] = divide_by(rest(own_.xy, 1, 0), x, kBits, saturations);
-  const FixedRoot y = square_root(
-      rest(own_.yy, 1, 1) - wide::multiply(c.rest[1], c.rest[1], kSquared, saturations), kVariance);
-  c.rest[2] = wide::scale(y.mantissa, kBits - y.bits, saturations);
+  // The larger variance first: where the vehicle drives along an axis, that across it is a unit or
+  // two, and a covariance divided by its root could be anything.
+  const std::int64_t own[2] = {rest(own_.xx, 0, 0), rest(own_.yy, 1, 1)};
+  const int large = own[0] >= own[1] ? 0 : 1;
+  const FixedRoot first = square_root(own[large], kVariance);
+  c.rest[0][large] = wide::scale(first.mantissa, kBits - first.bits, saturations);
+  c.rest[0][1 - large] = divide_by(rest(own_.xy, 1, 0), first, kBits, saturations);
+  const std::int64_t shared = c.rest[0][1 - large];
+  const FixedRoot second = square_root(
+      own[1 - large] - wide::multiply(shared, shared, kSquared, saturations), kVariance);
+  c.rest[1][large] = 0;
+  c.rest[1][1 - large] = wide::scale(second.mantissa, kBits - second.bits, saturations);
   return c;
 }
 

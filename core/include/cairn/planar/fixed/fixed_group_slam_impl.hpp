@@ -119,9 +119,11 @@ void FixedGroupSlam<MaxLandmarks>::absorb_motion() {
   enter(0, c.heading.mantissa, 0, c.heading.bits);
   const std::int64_t along[2] = {wide::add(c.along[0], turned(vehicle(1)), saturations_),
                                  wide::add(c.along[1], -turned(vehicle(0)), saturations_)};
-  const bool room[2] = {
-      enter(1, along[0], wide::magnitude(c.rest[0]), Columns::kBits),
-      enter(2, along[1], wide::magnitude(c.rest[1]) | wide::magnitude(c.rest[2]), Columns::kBits)};
+  bool room[2];
+  for (int i = 0; i < 2; ++i) {
+    room[i] = enter(1 + i, along[i], wide::magnitude(c.rest[0][i]) | wide::magnitude(c.rest[1][i]),
+                    Columns::kBits);
+  }
   for (int slot = 0; slot < slots_.size(); ++slot) {
     const int row = state_of(slot);
     enter(row, turned(landmark_local(slot, 1)), 0, Columns::kBits);
@@ -131,9 +133,10 @@ void FixedGroupSlam<MaxLandmarks>::absorb_motion() {
   const int n = factor_.size();
   for (int k = 0; k < 2; ++k) {
     for (int i = 0; i < n; ++i) v[i] = 0;
-    if (k == 0 && room[0]) v[1] = factor_.to_row(1, c.rest[0], Columns::kBits);
-    if (room[1]) v[2] = factor_.to_row(2, c.rest[1 + k], Columns::kBits);
-    factor_.absorb(v, 1 + k);
+    for (int axis = 0; axis < 2; ++axis) {
+      if (room[axis]) v[1 + axis] = factor_.to_row(1 + axis, c.rest[k][axis], Columns::kBits);
+    }
+    factor_.absorb(v, 1);
   }
 }
 

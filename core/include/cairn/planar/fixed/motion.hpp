@@ -42,11 +42,11 @@ class FixedMotionNoise {
                     std::uint32_t& saturations) const;
 
   /// The same covariance as three columns of (heading; x; y), the first with all three, the others
-  /// of the position: x 1, y 1, y 2.
+  /// of the position.
   struct Columns {
-    FixedRoot heading;      ///< rad
-    std::int64_t along[2];  ///< x and y of the first, kBits fraction bits, m
-    std::int64_t rest[3];   ///< x 1, y 1, y 2
+    FixedRoot heading;        ///< rad
+    std::int64_t along[2];    ///< x and y of the first, kBits fraction bits, m
+    std::int64_t rest[2][2];  ///< x and y of the second, of the third
     static constexpr int kBits = 40;
   };
   Columns columns(std::uint32_t& saturations) const;
