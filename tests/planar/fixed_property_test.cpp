@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "any_fixed.hpp"
 #include "fixed_drive.hpp"
 
 namespace cairn {
@@ -11,23 +12,8 @@ namespace {
 
 using Filter = FixedGroupSlam<4>;
 
-/// Any number of a format, of every size alike, the extremes among them.
-template <class Number>
-Number any() {
-  const auto raw = *rc::gen::arbitrary<std::uint64_t>();
-  const int shift = *rc::gen::inRange(0, 66);
-  const int width = std::is_same_v<decltype(Number().raw()), std::int32_t> ? 32 : 64;
-  std::int64_t value = static_cast<std::int64_t>(raw) >> (shift % 64);
-  if (shift == 64) value = INT64_MAX;
-  if (shift == 65) value = INT64_MIN;
-  return Number::from_raw(static_cast<decltype(Number().raw())>(value >> (64 - width)));
-}
-
-FixedCovariance2 any_covariance() {
-  FixedCovariance2 c = {any<FixedVariance>(), {}, any<FixedVariance>()};
-  if (*rc::gen::arbitrary<bool>()) c.xy = any<FixedVariance>();
-  return c;
-}
+using planar_test::any;
+using planar_test::any_covariance;
 
 /// One call with arbitrary arguments; refusals are as good as any other answer.
 void step(Filter& filter) {

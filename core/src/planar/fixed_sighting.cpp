@@ -140,21 +140,28 @@ FixedCovariance2 along_direction(const FixedCovariance2& covariance, FixedRatio 
 
 FixedScore score(const FixedSighting& sighting, const FixedCovariance2& relative,
                  Count& saturations) {
-  constexpr int kScoreBits = 20;   // of a normalised innovation
-  constexpr int kFactorBits = 32;  // of s01 / sqrt(s00), m
   const FixedCovariance2 s = along_direction(relative, sighting.cosine, sighting.sine, saturations);
   FixedVariance noise[2];
+  std::int64_t innovation[2];
   for (int i = 0; i < 2; ++i) {
     noise[i] = multiply<FixedVariance>(sighting.sigma[i], sighting.sigma[i], saturations);
+    innovation[i] = sighting.innovation[i].raw();
   }
-  Count none = 0;  // a distance too large for its format is large
-  const auto whitened = [&](std::int64_t innovation, FixedRoot root) {
-    return wide::narrow(
-        wide::divide(innovation, root.mantissa, kScoreBits + root.bits - kOffsetBits, none), none);
+  return mahalanobis(s, noise, innovation, kOffsetBits, saturations);
+}
+
+FixedScore mahalanobis(const FixedCovariance2& s, const FixedVariance (&noise)[2],
+                       const std::int64_t (&innovation)[2], int bits, Count& saturations) {
+  constexpr int kScoreBits = 20;   // of a normalised innovation
+  constexpr int kFactorBits = 32;  // of s01 / sqrt(s00), m
+  Count none = 0;                  // a distance too large for its format is large
+  const auto whitened = [&](std::int64_t missed, FixedRoot root) {
+    return wide::narrow(wide::divide(missed, root.mantissa, kScoreBits + root.bits - bits, none),
+                        none);
   };
   const FixedRoot first = square_root(add(s.xx, noise[0], saturations).raw(), kVarianceBits);
   if (first.mantissa == 0) return FixedScore::most();
-  const std::int64_t y0 = whitened(sighting.innovation[0].raw(), first);
+  const std::int64_t y0 = whitened(innovation[0], first);
   const std::int64_t factor =
       wide::divide(s.xy.raw(), first.mantissa, kFactorBits + first.bits - kVarianceBits, none);
   const FixedVariance explained = FixedVariance::from_raw(
@@ -163,9 +170,8 @@ FixedScore score(const FixedSighting& sighting, const FixedCovariance2& relative
   if (rest < noise[1]) rest = noise[1];
   const FixedRoot second = square_root(rest.raw(), kVarianceBits);
   if (second.mantissa == 0) return FixedScore::most();
-  const std::int64_t shared =
-      wide::multiply(factor, y0, kFactorBits + kScoreBits - kOffsetBits, none);
-  const std::int64_t y1 = whitened(sighting.innovation[1].raw() - shared, second);
+  const std::int64_t shared = wide::multiply(factor, y0, kFactorBits + kScoreBits - bits, none);
+  const std::int64_t y1 = whitened(wide::add(innovation[1], -shared, none), second);
   return FixedScore::from_raw(
       wide::narrow(wide::round_shift(y0 * y0, 2 * kScoreBits - FixedScore::kFractionBits) +
                        wide::round_shift(y1 * y1, 2 * kScoreBits - FixedScore::kFractionBits),

@@ -6,10 +6,10 @@
 
 namespace cairn {
 
-template <int MaxLandmarks>
-Status FixedGroupSlam<MaxLandmarks>::initialise(const FixedPose& pose,
-                                                const FixedPoseCovariance& covariance,
-                                                const FixedPlanarParameters& parameters) {
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::initialise(
+    const FixedPose& pose, const FixedPoseCovariance& covariance,
+    const FixedPlanarParameters& parameters) {
   const FixedCovariance2& c = covariance.position;
   if (!detail::possible(c.xx, c.yy, c.xy) ||
       !detail::possible(c.xx, covariance.heading, covariance.x_heading) ||
@@ -21,7 +21,8 @@ Status FixedGroupSlam<MaxLandmarks>::initialise(const FixedPose& pose,
                     p.reacquire_steps <= 20 && p.reacquire_position.raw() >= 0 &&
                     p.reacquire_heading.raw() >= 0 && p.reacquire_landmark_after >= 1 &&
                     p.reacquire_landmark.raw() >= 0 && p.replace_after >= 0 &&
-                    p.rest_sigmas.raw() >= 0;
+                    p.rest_sigmas.raw() >= 0 && p.tilt.valid() &&
+                    (LandmarkDim == 3 || !p.tilt.tilts());
   if (!sane) return Status::kBadConfig;
   parameters_ = parameters;
   health_ = Health{};
@@ -29,21 +30,23 @@ Status FixedGroupSlam<MaxLandmarks>::initialise(const FixedPose& pose,
   updates_ = 0;
   slots_.clear();
   reacquisition_.clear();
-  rest_.clear();
+  rest_ = detail::FixedRest();
   heading_ = wrapped_angle(pose.heading.raw());
   anchor_[0] = pose.x;
   anchor_[1] = pose.y;
   for (auto& x : x_) x = FixedCoordinate();
   factor_.clear();
   for (int i = 0; i < kPoseStates; ++i) factor_.append();
+  tilt_ = FixedTilt();
+  if (tilts()) start_tilt();
   motion_.clear();
   shared_ = covariance;
   initialised_ = true;
   return Status::kOk;
 }
 
-template <int MaxLandmarks>
-Status FixedGroupSlam<MaxLandmarks>::predict(const FixedIncrement& increment) {
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict(const FixedIncrement& increment) {
   if (!initialised_) return Status::kNotInitialised;
   const Status status = detail::validate(increment);
   if (!ok(status)) return status;
@@ -66,8 +69,8 @@ Status FixedGroupSlam<MaxLandmarks>::predict(const FixedIncrement& increment) {
   return Status::kOk;
 }
 
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::propagate(const FixedIncrement& increment) {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::propagate(const FixedIncrement& increment) {
   const detail::FixedStep step = detail::fixed_step(increment, heading_, saturations_);
   motion_.move(increment, step, saturations_);
   x_[0] = add(x_[0], step.x, saturations_);
@@ -78,17 +81,20 @@ void FixedGroupSlam<MaxLandmarks>::propagate(const FixedIncrement& increment) {
 }
 
 /// The vehicle may have moved, or there is something to learn without motion.
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::end_rest() {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::end_rest() {
   if (!rest_.resting()) return;
   const FixedIncrement held = rest_.held();
   const bool noise = rest_.holds_noise();
+  const FixedOffset held_s = rest_.held_s();
   rest_.clear();
   if (noise) propagate(held);
+  if (held_s.raw() > 0) (void)predict_tilt(held_s);
 }
 
-template <int MaxLandmarks>
-Status FixedGroupSlam<MaxLandmarks>::widen_pose(FixedVariance position, FixedVariance heading) {
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::widen_pose(FixedVariance position,
+                                                             FixedVariance heading) {
   if (!initialised_) return Status::kNotInitialised;
   if (position.raw() < 0 || heading.raw() < 0) return Status::kInvalidArgument;
   end_rest();
@@ -98,8 +104,8 @@ Status FixedGroupSlam<MaxLandmarks>::widen_pose(FixedVariance position, FixedVar
 
 /// Adds the noise of the odometry to the factor: -J p (heading) on every point p, and the rest on
 /// the vehicle's position.
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::absorb_motion() {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::absorb_motion() {
   if (motion_.empty()) return;
   using Columns = typename detail::FixedMotionNoise::Columns;
   const Columns c = motion_.columns(saturations_);
@@ -124,10 +130,12 @@ void FixedGroupSlam<MaxLandmarks>::absorb_motion() {
     room[i] = enter(1 + i, along[i], wide::magnitude(c.rest[0][i]) | wide::magnitude(c.rest[1][i]),
                     Columns::kBits);
   }
+  for (int row = kPoseStates; row < vehicle_states(); ++row) enter(row, 0, 0, Columns::kBits);
   for (int slot = 0; slot < slots_.size(); ++slot) {
     const int row = state_of(slot);
     enter(row, turned(landmark_local(slot, 1)), 0, Columns::kBits);
     enter(row + 1, -turned(landmark_local(slot, 0)), 0, Columns::kBits);
+    if constexpr (LandmarkDim == 3) enter(row + 2, 0, 0, Columns::kBits);
   }
   factor_.absorb(v, 0);
   const int n = factor_.size();
@@ -141,16 +149,18 @@ void FixedGroupSlam<MaxLandmarks>::absorb_motion() {
 }
 
 /// The error that pose and landmarks have in common by now: no sighting depends on it.
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::share_pose_error() {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::share_pose_error() {
   shared_ = error_covariance(saturations_);
+  const FixedCovariance2 tilt = tilt_covariance();
   factor_.clear();
   for (int i = 0; i < kPoseStates; ++i) factor_.append();
+  if (tilts()) keep_tilt(tilt);
   motion_.clear();
 }
 
-template <int MaxLandmarks>
-Status FixedGroupSlam<MaxLandmarks>::make_room(LandmarkId id, LandmarkId* replaced) {
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::make_room(LandmarkId id, LandmarkId* replaced) {
   if (id == kNoLandmark) return Status::kInvalidArgument;
   if (find(id) >= 0) return Status::kDuplicate;
   if (replaced != nullptr) *replaced = kNoLandmark;
@@ -169,21 +179,21 @@ Status FixedGroupSlam<MaxLandmarks>::make_room(LandmarkId id, LandmarkId* replac
   return Status::kOk;
 }
 
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::remove_states(int slot) {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::remove_states(int slot) {
   const std::int16_t place = order_[slot];
-  factor_.remove_pair(state_of(slot), scratch_);
+  factor_.template remove_rows<LandmarkDim>(state_of(slot), scratch_);
   const int last = slots_.size() - 1;
   order_[slot] = order_[last];
-  for (int axis = 0; axis < 2; ++axis) p_[slot][axis] = p_[last][axis];
+  for (int axis = 0; axis < LandmarkDim; ++axis) p_[slot][axis] = p_[last][axis];
   for (int k = 0; k < last; ++k) {
     if (order_[k] > place) --order_[k];
   }
   slots_.remove_unordered(slot);
 }
 
-template <int MaxLandmarks>
-Status FixedGroupSlam<MaxLandmarks>::remove_landmark(int slot) {
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::remove_landmark(int slot) {
   if (!initialised_) return Status::kNotInitialised;
   if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
   remove_states(slot);
@@ -191,11 +201,13 @@ Status FixedGroupSlam<MaxLandmarks>::remove_landmark(int slot) {
   return Status::kOk;
 }
 
-template <int MaxLandmarks>
-Status FixedGroupSlam<MaxLandmarks>::add_landmark(LandmarkId id, FixedLength x, FixedLength y,
-                                                  const FixedCovariance2& noise,
-                                                  LandmarkId* replaced) {
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::add_landmark(LandmarkId id, FixedLength x,
+                                                               FixedLength y,
+                                                               const FixedCovariance2& noise,
+                                                               LandmarkId* replaced) {
   if (!initialised_) return Status::kNotInitialised;
+  if (LandmarkDim != 2) return Status::kInvalidArgument;
   FixedPointObservation seen;
   seen.x = x;
   seen.y = y;
@@ -243,12 +255,11 @@ Status FixedGroupSlam<MaxLandmarks>::add_landmark(LandmarkId id, FixedLength x, 
 
 /// Appends a state with the error of state `from` and noise of its own on the last two columns of
 /// the landmark's.
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::append_row(int from, std::int64_t first, std::int64_t second,
-                                              int fraction) {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::append_row(int from, std::int64_t first,
+                                                           std::int64_t second, int fraction) {
   constexpr int kBits = 40;
   const int own = state_of(slots_.size());
-  factor_.append();
   const auto element = [&](int column) {
     std::uint32_t none = 0;
     if (column <= from) {
@@ -257,7 +268,7 @@ void FixedGroupSlam<MaxLandmarks>::append_row(int from, std::int64_t first, std:
     if (column < own) return std::int64_t{0};
     return wide::scale(column == own ? first : second, kBits - fraction, none);
   };
-  factor_.set_last_row(kBits, element, saturations_);
+  factor_.append(kBits, element, saturations_);
 }
 
 }  // namespace cairn

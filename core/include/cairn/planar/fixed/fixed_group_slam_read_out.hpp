@@ -6,8 +6,8 @@
 
 namespace cairn {
 
-template <int MaxLandmarks>
-FixedPoseCovariance FixedGroupSlam<MaxLandmarks>::error_covariance(
+template <int MaxLandmarks, int LandmarkDim>
+FixedPoseCovariance FixedGroupSlam<MaxLandmarks, LandmarkDim>::error_covariance(
     std::uint32_t& saturations) const {
   FixedPoseCovariance sum = motion_.about(vehicle(0), vehicle(1), saturations);
   const auto enter = [&](FixedVariance& to, FixedVariance shared, int i, int k) {
@@ -23,20 +23,21 @@ FixedPoseCovariance FixedGroupSlam<MaxLandmarks>::error_covariance(
   return sum;
 }
 
-template <int MaxLandmarks>
-FixedPose FixedGroupSlam<MaxLandmarks>::mean_pose() const {
+template <int MaxLandmarks, int LandmarkDim>
+FixedPose FixedGroupSlam<MaxLandmarks, LandmarkDim>::mean_pose() const {
   std::uint32_t none = 0;
   return {add(anchor_[0], x_[0], none), add(anchor_[1], x_[1], none), heading_};
 }
 
-template <int MaxLandmarks>
-FixedLandmark FixedGroupSlam<MaxLandmarks>::mean_landmark(int slot) const {
+template <int MaxLandmarks, int LandmarkDim>
+FixedLandmark FixedGroupSlam<MaxLandmarks, LandmarkDim>::mean_landmark(int slot) const {
   std::uint32_t none = 0;
   return {add(anchor_[0], p_[slot][0], none), add(anchor_[1], p_[slot][1], none), {}};
 }
 
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::pose(FixedPose& mean, FixedPoseCovariance& covariance) const {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::pose(FixedPose& mean,
+                                                     FixedPoseCovariance& covariance) const {
   std::uint32_t none = 0;
   const detail::FixedMoments moments =
       detail::turned_point_moments(vehicle(0), vehicle(1), error_covariance(none), none);
@@ -48,8 +49,8 @@ void FixedGroupSlam<MaxLandmarks>::pose(FixedPose& mean, FixedPoseCovariance& co
   mean.heading = heading_;
 }
 
-template <int MaxLandmarks>
-FixedLandmark FixedGroupSlam<MaxLandmarks>::landmark(int slot) const {
+template <int MaxLandmarks, int LandmarkDim>
+FixedLandmark FixedGroupSlam<MaxLandmarks, LandmarkDim>::landmark(int slot) const {
   std::uint32_t none = 0;
   const int l = state_of(slot);
   const FixedLength x = landmark_local(slot, 0);
@@ -76,8 +77,8 @@ FixedLandmark FixedGroupSlam<MaxLandmarks>::landmark(int slot) const {
   return out;
 }
 
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::hash(Hash64& hash) const {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::hash(Hash64& hash) const {
   hash.add(heading_.raw());
   for (int i = 0; i < 2; ++i) {
     hash.add(x_[i].raw());
@@ -85,7 +86,7 @@ void FixedGroupSlam<MaxLandmarks>::hash(Hash64& hash) const {
   }
   for (int slot = 0; slot < slots_.size(); ++slot) {
     hash.add(slots_.id(slot));
-    for (int i = 0; i < 2; ++i) hash.add(p_[slot][i].raw());
+    for (int i = 0; i < LandmarkDim; ++i) hash.add(p_[slot][i].raw());
   }
   factor_.hash(hash);
   std::uint32_t none = 0;
@@ -94,9 +95,11 @@ void FixedGroupSlam<MaxLandmarks>::hash(Hash64& hash) const {
        {c.heading, c.x_heading, c.y_heading, c.position.xx, c.position.xy, c.position.yy}) {
     hash.add(v.raw());
   }
-  hash.add(static_cast<std::uint8_t>(rest_.resting()));
-  hash.add(rest_.held().distance_variance.raw());
-  hash.add(rest_.held().turn_variance.raw());
+  rest_.hash(hash);
+  if (tilts()) {
+    hash.add(tilt_.pitch.raw());
+    hash.add(tilt_.roll.raw());
+  }
   hash.add(saturations_);
 }
 

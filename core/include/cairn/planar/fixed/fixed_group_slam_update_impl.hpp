@@ -6,8 +6,8 @@
 
 namespace cairn {
 
-template <int MaxLandmarks>
-FixedCovariance2 FixedGroupSlam<MaxLandmarks>::relative_covariance(
+template <int MaxLandmarks, int LandmarkDim>
+FixedCovariance2 FixedGroupSlam<MaxLandmarks, LandmarkDim>::relative_covariance(
     int slot, std::uint32_t& saturations) const {
   const int l = state_of(slot);
   int bits = RowScaledFactor<kStates>::kMostBits;
@@ -37,8 +37,8 @@ FixedCovariance2 FixedGroupSlam<MaxLandmarks>::relative_covariance(
   return out;
 }
 
-template <int MaxLandmarks>
-Status FixedGroupSlam<MaxLandmarks>::predict_range_bearing(
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict_range_bearing(
     int slot, FixedLength sensor_offset, FixedLength sigma_range, FixedAngle sigma_bearing,
     FixedRangeBearingPrediction& prediction) const {
   if (!initialised_) return Status::kNotInitialised;
@@ -67,10 +67,11 @@ Status FixedGroupSlam<MaxLandmarks>::predict_range_bearing(
 }
 
 /// Fills sightings_ with the sightings of known landmarks inside their gates; the number of them.
-template <int MaxLandmarks>
+template <int MaxLandmarks, int LandmarkDim>
 template <class Observation>
-int FixedGroupSlam<MaxLandmarks>::collect(Span<Observation> observations, FixedLength sensor_offset,
-                                          FixedUpdateReport& report) {
+int FixedGroupSlam<MaxLandmarks, LandmarkDim>::collect(Span<Observation> observations,
+                                                       FixedLength sensor_offset,
+                                                       FixedUpdateReport& report) {
   report = FixedUpdateReport{};
   refused_count_ = 0;
   admitted_score_ = 0;
@@ -91,7 +92,7 @@ int FixedGroupSlam<MaxLandmarks>::collect(Span<Observation> observations, FixedL
         detail::score(sighting, relative_covariance(slot, saturations_), saturations_);
     if (score <= parameters_.gate) {
       admitted_score_ += score.raw();
-      ++count;
+      used_[count++] = static_cast<std::int16_t>(slot);
       continue;
     }
     ++report.gated;
@@ -101,10 +102,11 @@ int FixedGroupSlam<MaxLandmarks>::collect(Span<Observation> observations, FixedL
   return count;
 }
 
-template <int MaxLandmarks>
+template <int MaxLandmarks, int LandmarkDim>
 template <class Observation>
-Status FixedGroupSlam<MaxLandmarks>::update(Span<Observation> observations,
-                                            FixedLength sensor_offset, FixedUpdateReport& report) {
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update(Span<Observation> observations,
+                                                         FixedLength sensor_offset,
+                                                         FixedUpdateReport& report) {
   if (!initialised_) return Status::kNotInitialised;
   if (observations.size < 0 || observations.size > kMaxObservations) {
     return Status::kInvalidArgument;
@@ -119,26 +121,23 @@ Status FixedGroupSlam<MaxLandmarks>::update(Span<Observation> observations,
     end_rest();
     count = collect(observations, sensor_offset, report);
   }
-  apply(count, report);
+  apply(sightings_, count, report);
   finish_update(count, report);
   return Status::kOk;
 }
 
 /// At rest: whether the sightings agree with no motion. They are then counted, and the noise held
 /// back is dropped.
-template <int MaxLandmarks>
-bool FixedGroupSlam<MaxLandmarks>::tells_nothing_new(int count, FixedUpdateReport& report) {
+template <int MaxLandmarks, int LandmarkDim>
+bool FixedGroupSlam<MaxLandmarks, LandmarkDim>::tells_nothing_new(int count,
+                                                                  FixedUpdateReport& report) {
   constexpr int kFewest = 3;        // fewer prove little
   constexpr int kRefusedShare = 4;  // nor do some of which one in four is refused
   constexpr int kBits = FixedScore::kFractionBits;
   if (count < kFewest || refused_count_ * kRefusedShare > count) return false;
   if (parameters_.rest_sigmas.raw() <= 0) return false;
   const int rows = 2 * count;
-  const std::int64_t expected = std::int64_t{rows} << kBits;
-  const FixedRoot spread = square_root(2 * rows, 0);
-  const std::int64_t allowance =
-      wide::multiply(parameters_.rest_sigmas.raw(), spread.mantissa, spread.bits, saturations_);
-  if (admitted_score_ > expected + allowance) return false;
+  if (!rest_.agrees(admitted_score_, rows, parameters_.rest_sigmas)) return false;
   rest_.begin();
   report.nis = FixedCoordinate::from_raw(
       wide::scale(admitted_score_, FixedCoordinate::kFractionBits - kBits, saturations_));
@@ -147,30 +146,34 @@ bool FixedGroupSlam<MaxLandmarks>::tells_nothing_new(int count, FixedUpdateRepor
   return true;
 }
 
-/// Updates with sightings_[0 .. count), all linearised at the present mean.
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::apply(int count, FixedUpdateReport& report) {
+/// Updates with sightings that are all linearised at the present mean.
+template <int MaxLandmarks, int LandmarkDim>
+template <class Sighting>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply(const Sighting* sightings, int count,
+                                                      FixedUpdateReport& report) {
   if (count == 0) return;
   absorb_motion();
   for (int i = 0; i < factor_.size(); ++i) correction_[i] = 0;
   std::int64_t nis = 0;
+  int rows = 0;
   for (int k = 0; k < count; ++k) {
-    for (int row = 0; row < 2; ++row) {
-      nis = wide::add(nis, apply_row(sightings_[k], row), saturations_);
+    for (int row = 0; row < sightings[k].rows; ++row) {
+      nis = wide::add(nis, apply_row(sightings[k], row), saturations_);
+      ++rows;
     }
   }
   report.nis = FixedCoordinate::from_raw(nis);
-  report.nis_dof = 2 * count;
+  report.nis_dof = rows;
   correct();
+  rest_.note_moving(nis, rows);
   if (parameters_.rest_sigmas.raw() > 0) rest_.begin();
 }
 
 /// Conditions the covariance on one measurement and adds its part to the correction; its normalised
 /// innovation squared, with the fraction of the report's.
-template <int MaxLandmarks>
-std::int64_t FixedGroupSlam<MaxLandmarks>::apply_row(const detail::FixedSighting& sighting,
-                                                     int row) {
-  constexpr int kScoreBits = 20;
+template <int MaxLandmarks, int LandmarkDim>
+std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply_row(
+    const detail::FixedSighting& sighting, int row) {
   const int l = state_of(sighting.slot);
   const int states[4] = {l, l + 1, 1, 2};
   const std::int64_t cosine = sighting.cosine.raw();
@@ -192,7 +195,6 @@ std::int64_t FixedGroupSlam<MaxLandmarks>::apply_row(const detail::FixedSighting
   if (sigma == 0) sigma = 1;
 
   std::int32_t* const a = scratch_;
-  std::int32_t* const gain = scratch_ + kStates;
   for (int j = 0; j <= l + 1; ++j) {
     std::int64_t sum = 0;
     for (int k = 0; k < 4; ++k) {
@@ -204,31 +206,49 @@ std::int64_t FixedGroupSlam<MaxLandmarks>::apply_row(const detail::FixedSighting
     }
     a[j] = static_cast<std::int32_t>(sum);
   }
-  factor_.condition(a, l + 1, sigma, gain);
 
-  // The innovation at the mean corrected so far, in standard deviations.
+  // The innovation at the mean corrected so far.
   std::int64_t innovation =
       sighting.innovation[row].raw() * (std::int64_t{1} << FixedRatio::kFractionBits);
   for (int k = 0; k < 4; ++k) {
     const std::int64_t part = h[k % 2] * correction_[states[k]];
     innovation += k < 2 ? -part : part;
   }
-  innovation = wide::round_shift(innovation, FixedRatio::kFractionBits);
-  const std::int32_t y = wide::narrow(
-      wide::divide(innovation, sigma, kScoreBits + bits - FixedOffset::kFractionBits, saturations_),
-      saturations_);
+  return take_in(l + 1, bits, sigma, wide::round_shift(innovation, FixedRatio::kFractionBits),
+                 FixedOffset::kFractionBits);
+}
+
+/// Conditions the covariance on the row in scratch_, zero beyond `last`, with `bits` of fraction as
+/// `sigma`, and adds its part to the correction; `innovation` has `fraction` bits of it. Its
+/// normalised innovation squared, with the fraction of the report's.
+template <int MaxLandmarks, int LandmarkDim>
+std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::take_in(int last, int bits,
+                                                                std::int32_t sigma,
+                                                                std::int64_t innovation,
+                                                                int fraction) {
+  constexpr int kScoreBits = 20;
+  std::int32_t* const gain = scratch_ + kStates;
+  factor_.condition(scratch_, last, sigma, gain);
+  // The innovation in standard deviations.
+  const int shift = kScoreBits + bits - fraction;
+  const std::int32_t y =
+      wide::narrow(wide::divide(shift < 0 ? wide::round_shift(innovation, -shift) : innovation,
+                                sigma, shift < 0 ? 0 : shift, saturations_),
+                   saturations_);
   const int n = factor_.size();
+  const int vehicle = vehicle_states();
   for (int i = 0; i < n; ++i) {
-    const int fraction = i == 0 ? FixedAngle::kFractionBits : FixedOffset::kFractionBits;
-    const std::int64_t part = wide::scale(std::int64_t{gain[i]} * y,
-                                          fraction - factor_.bits(i) - kScoreBits, saturations_);
+    const bool angle = i == 0 || (i >= kTiltState && i < vehicle);
+    const int own = angle ? FixedAngle::kFractionBits : FixedOffset::kFractionBits;
+    const std::int64_t part =
+        wide::scale(std::int64_t{gain[i]} * y, own - factor_.bits(i) - kScoreBits, saturations_);
     correction_[i] = wide::narrow(correction_[i] + part, saturations_);
   }
   return wide::round_shift(std::int64_t{y} * y, 2 * kScoreBits - FixedCoordinate::kFractionBits);
 }
 
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::correct() {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::correct() {
   const auto by = [&](int i) { return FixedOffset::from_raw(correction_[i]); };
   const detail::FixedExponential exponential(FixedAngle::from_raw(correction_[0]), saturations_);
   heading_ = wrapped_angle(std::int64_t{heading_.raw()} + exponential.angle().raw());
@@ -236,17 +256,27 @@ void FixedGroupSlam<MaxLandmarks>::correct() {
   for (int slot = 0; slot < slots_.size(); ++slot) {
     const int l = state_of(slot);
     exponential.move(p_[slot][0], p_[slot][1], by(l), by(l + 1), saturations_);
+    if constexpr (LandmarkDim == 3) {
+      p_[slot][2] =
+          add(p_[slot][2], convert<FixedCoordinate>(by(l + 2), saturations_), saturations_);
+    }
+  }
+  if (tilts()) {
+    const auto turned = [&](FixedAngle angle, int state) {
+      return wrapped_angle(std::int64_t{angle.raw()} + correction_[state]);
+    };
+    tilt_ = {turned(tilt_.pitch, kTiltState), turned(tilt_.roll, kTiltState + 1)};
   }
 }
 
 /// Book-keeping after an update: which landmarks were refused, and whether the gate has locked the
 /// filter out.
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::finish_update(int used, FixedUpdateReport& report) {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::finish_update(int used, FixedUpdateReport& report) {
   if (report.matches == 0) return;
   ++updates_;
   for (int k = 0; k < used; ++k) {
-    LandmarkStatistics& s = slots_.statistics(sightings_[k].slot);
+    LandmarkStatistics& s = slots_.statistics(used_[k]);
     ++s.measured;
     s.rejected_in_row = 0;
     s.last_measured = updates_;
@@ -273,13 +303,13 @@ void FixedGroupSlam<MaxLandmarks>::finish_update(int used, FixedUpdateReport& re
 }
 
 /// Adds position noise of the parameters' standard deviation, doubled `doublings` times.
-template <int MaxLandmarks>
-void FixedGroupSlam<MaxLandmarks>::widen_landmark(int slot, int doublings) {
+template <int MaxLandmarks, int LandmarkDim>
+void FixedGroupSlam<MaxLandmarks, LandmarkDim>::widen_landmark(int slot, int doublings) {
   const std::int64_t sigma = parameters_.reacquire_landmark.raw();
   const int fraction = FixedLength::kFractionBits - doublings;
   const int length = wide::bit_length(static_cast<std::uint64_t>(sigma)) - fraction;
   const int n = factor_.size();
-  for (int axis = 0; axis < 2; ++axis) {
+  for (int axis = 0; axis < LandmarkDim; ++axis) {
     const int row = state_of(slot) + axis;
     if (!factor_.make_room(row, 2 * length, saturations_)) continue;
     for (int i = 0; i < n; ++i) scratch_[i] = 0;

@@ -31,14 +31,15 @@ class RowScaledFactor {
     bits_[row] = kMostBits;
     for (int j = 0; j <= row; ++j) data_[index(row, j)] = 0;
   }
-  /// Sets the last row's elements by `value(column)`, each with `fraction` bits.
+  /// Appends a row of the elements `value(column)`, each with `fraction` bits. Of them at most
+  /// 4^spare are not zero.
   template <class Value>
-  void set_last_row(int fraction, const Value& value, std::uint32_t& saturations) {
-    const int row = size_ - 1;
+  void append(int fraction, const Value& value, std::uint32_t& saturations, int spare = 1) {
+    const int row = size_++;
+    if (row < 0) return;  // never: GCC warns of a store there
     std::int64_t largest = 0;
     for (int j = 0; j <= row; ++j) largest |= static_cast<std::int64_t>(wide::magnitude(value(j)));
-    // A row of up to four such elements.
-    const int length = wide::bit_length(static_cast<std::uint64_t>(largest)) + 1 - fraction;
+    const int length = wide::bit_length(static_cast<std::uint64_t>(largest)) + spare - fraction;
     bits_[row] = static_cast<std::int8_t>(bits_for(2 * length, saturations));
     for (int j = 0; j <= row; ++j) {
       data_[index(row, j)] =
@@ -104,21 +105,34 @@ class RowScaledFactor {
     }
   }
 
-  /// Removes two rows, the ones behind move up. `scratch`: 2 n elements. Cost: as absorb() twice.
-  void remove_pair(int first, std::int32_t* scratch) {
-    std::int32_t* const lost[2] = {scratch, scratch + Capacity};
-    for (int k = 0; k < 2; ++k) {
-      for (int i = first + 2; i < size_; ++i) lost[k][i - 2] = at(i, first + k);
+  /// Removes `Count` rows, the ones behind move up. `scratch`: Count n elements. Cost: as absorb()
+  /// that many times.
+  template <int Count>
+  void remove_rows(int first, std::int32_t* scratch) {
+    constexpr int kCount = Count;
+    for (int k = 0; k < kCount; ++k) {
+      for (int i = first + kCount; i < size_; ++i) {
+        scratch[k * Capacity + i - kCount] = at(i, first + k);
+      }
     }
     for (int j = 0; j < first; ++j) {
-      for (int i = first + 2; i < size_; ++i) data_[index(i - 2, j)] = at(i, j);
+      for (int i = first + kCount; i < size_; ++i) data_[index(i - kCount, j)] = at(i, j);
     }
-    for (int j = first + 2; j < size_; ++j) {
-      for (int i = j; i < size_; ++i) data_[index(i - 2, j - 2)] = at(i, j);
+    for (int j = first + kCount; j < size_; ++j) {
+      for (int i = j; i < size_; ++i) data_[index(i - kCount, j - kCount)] = at(i, j);
     }
-    for (int i = first + 2; i < size_; ++i) bits_[i - 2] = bits_[i];
-    size_ -= 2;
-    for (auto* vector : lost) absorb(vector, first);
+    for (int i = first + kCount; i < size_; ++i) bits_[i - kCount] = bits_[i];
+    size_ -= kCount;
+    for (int k = 0; k < kCount; ++k) absorb(scratch + k * Capacity, first);
+  }
+
+  /// Multiplies a state by a factor of [0, 1].
+  void shrink_row(int row, FixedRatio factor) {
+    for (int j = 0; j <= row; ++j) {
+      std::int32_t& element = data_[index(row, j)];
+      element = static_cast<std::int32_t>(
+          wide::round_shift(std::int64_t{element} * factor.raw(), FixedRatio::kFractionBits));
+    }
   }
 
   void hash(Hash64& hash) const {

@@ -7,6 +7,7 @@ namespace cairn::detail {
 /// A sighting as two independent measurements of the vector from vehicle to landmark, along a
 /// direction of the world and across it: all rows are unit vectors, all units metres.
 struct FixedSighting {
+  static constexpr int rows = 2;
   int slot = -1;
   FixedRatio cosine;  ///< of the direction; across it lies (-sine, cosine)
   FixedRatio sine;
@@ -59,6 +60,11 @@ bool expected_range_bearing(const FixedAxes& axes, FixedLength x, FixedLength y,
 /// it, in m^2.
 FixedCovariance2 along_direction(const FixedCovariance2& covariance, FixedRatio cosine,
                                  FixedRatio sine, std::uint32_t& saturations);
+
+/// Squared Mahalanobis distance of two innovations with `bits` fraction bits, S = `own` + their
+/// independent noise.
+FixedScore mahalanobis(const FixedCovariance2& own, const FixedVariance (&noise)[2],
+                       const std::int64_t (&innovation)[2], int bits, std::uint32_t& saturations);
 
 /// Squared Mahalanobis distance of a sighting's innovations, S = relative covariance + noise.
 FixedScore score(const FixedSighting& sighting, const FixedCovariance2& relative,

@@ -37,6 +37,16 @@ struct FixedPoseCovariance {
   FixedVariance heading;
 };
 
+/// Covariance of three coordinates, m^2.
+struct FixedCovariance3 {
+  FixedVariance xx;
+  FixedVariance xy;
+  FixedVariance yy;
+  FixedVariance xz;
+  FixedVariance yz;
+  FixedVariance zz;
+};
+
 /// Position and covariance of a landmark in the world.
 struct FixedLandmark {
   FixedCoordinate x;
@@ -80,6 +90,24 @@ struct FixedRangeBearingPrediction {
   FixedVariance bearing_variance;
 };
 
+/// As TiltParameters. Domain: both sigmas 0, or both above 0 and at most 0.3 rad.
+struct FixedTiltParameters {
+  FixedAngle sigma_pitch;
+  FixedAngle sigma_roll;
+  FixedOffset time_constant = kTimeConstant;  ///< s
+
+  bool tilts() const { return sigma_pitch.raw() > 0 && sigma_roll.raw() > 0; }
+  bool valid() const {
+    const bool none = sigma_pitch.raw() == 0 && sigma_roll.raw() == 0;
+    return (none || tilts()) && sigma_pitch <= kMost && sigma_roll <= kMost &&
+           time_constant.raw() > 0;
+  }
+
+ private:
+  static constexpr FixedOffset kTimeConstant = FixedOffset::nearest(1.0);
+  static constexpr FixedAngle kMost = FixedAngle::nearest(0.3);
+};
+
 /// Settings, as those of PlanarParameters of the same names, with their defaults.
 struct FixedPlanarParameters {
   FixedScore gate = kGate;  ///< FixedScore::most(): none
@@ -91,6 +119,7 @@ struct FixedPlanarParameters {
   FixedLength reacquire_landmark = kReacquireDistance;
   int replace_after = 20;
   FixedScore rest_sigmas = kRestSigmas;
+  FixedTiltParameters tilt;  ///< for a filter of landmarks with height
 
  private:
   static constexpr FixedScore kGate = FixedScore::nearest(13.82);

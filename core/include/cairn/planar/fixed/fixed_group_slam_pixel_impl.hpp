@@ -1,0 +1,325 @@
+#pragma once
+
+#include "cairn/planar/fixed/fixed_group_slam.hpp"
+
+// FixedGroupSlam: what a camera sees, and heights.
+
+namespace cairn {
+
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::check_camera(const FixedCamera& camera,
+                                                               const FixedMount& T_vehicle_camera,
+                                                               FixedPixel sigma_px) const {
+  if (!initialised_) return Status::kNotInitialised;
+  if (sigma_px.raw() <= 0) return Status::kInvalidArgument;
+  const Status status = T_vehicle_camera.check();
+  return ok(status) ? camera.check_numbers() : status;
+}
+
+template <int MaxLandmarks, int LandmarkDim>
+typename FixedGroupSlam<MaxLandmarks, LandmarkDim>::PixelView
+FixedGroupSlam<MaxLandmarks, LandmarkDim>::camera_view(const FixedCamera& camera,
+                                                       const FixedMount& T_vehicle_camera) {
+  const detail::FixedAxes axes(heading_);
+  return PixelView(camera, T_vehicle_camera, axes.cosine, axes.sine, tilts() ? &tilt_ : nullptr,
+                   saturations_);
+}
+
+template <int MaxLandmarks, int LandmarkDim>
+typename FixedGroupSlam<MaxLandmarks, LandmarkDim>::StateRow
+FixedGroupSlam<MaxLandmarks, LandmarkDim>::row_of(const PixelSighting& sighting, int row) const {
+  StateRow out;
+  const int l = state_of(sighting.slot);
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t h = sighting.h[row][i].raw();
+    if (h == 0) continue;
+    out.add(l + i, h, FixedTangent::kFractionBits);
+    if (i < 2) out.add(1 + i, -h, FixedTangent::kFractionBits);
+  }
+  for (int k = 0; tilts() && k < 2; ++k) {
+    const std::int64_t t = sighting.tilt[row][k].raw();
+    if (t != 0) out.add(kTiltState + k, t, FixedLength::kFractionBits);
+  }
+  return out;
+}
+
+/// The row's elements on the columns of the factor up to `last`, all below 2^30 at the scale that
+/// is returned, which is at most `most_bits`.
+template <int MaxLandmarks, int LandmarkDim>
+int FixedGroupSlam<MaxLandmarks, LandmarkDim>::row_on_factor(const StateRow& row, int last,
+                                                             int most_bits,
+                                                             std::int32_t* out) const {
+  constexpr int kTermsBits = 4;  // seven terms, and room for the noise
+  int bits = most_bits;
+  for (int k = 0; k < row.count; ++k) {
+    const int length = wide::bit_length(wide::magnitude(row.coefficient[k])) - row.bits[k];
+    const int fits = factor_.bits(row.state[k]) - length - kTermsBits;
+    bits = fits < bits ? fits : bits;
+  }
+  for (int j = 0; j <= last; ++j) {
+    std::int64_t sum = 0;
+    for (int k = 0; k < row.count; ++k) {
+      const int shift = row.bits[k] + factor_.bits(row.state[k]) - bits;
+      if (j > row.state[k] || shift > 63) continue;
+      sum += wide::round_shift(row.coefficient[k] * factor_.at(row.state[k], j), shift);
+    }
+    out[j] = static_cast<std::int32_t>(sum);
+  }
+  return bits;
+}
+
+/// The sighting of a landmark, its innovation minus the expected pixel. Whether it has one.
+template <int MaxLandmarks, int LandmarkDim>
+bool FixedGroupSlam<MaxLandmarks, LandmarkDim>::sight(const PixelView& view, int slot,
+                                                      FixedPixel sigma_px, PixelSighting& out,
+                                                      detail::FixedPixelRows& rows) {
+  constexpr int kBits = 44;
+  const FixedLength r[3] = {relative(slot, 0), relative(slot, 1),
+                            convert<FixedLength>(landmark_height(slot), saturations_)};
+  if (!view.linearise(r, rows, saturations_)) return false;
+  out.slot = slot;
+  out.rows = 2;
+  // The noise grows with the relative variance of the depth: sigma sqrt(1 + Var z / z^2).
+  StateRow depth;
+  const int l = state_of(slot);
+  for (int i = 0; i < 3; ++i) {
+    if (rows.depth[i].raw() == 0) continue;
+    depth.add(l + i, rows.depth[i].raw(), FixedTangent::kFractionBits);
+    if (i < 2) depth.add(1 + i, -rows.depth[i].raw(), FixedTangent::kFractionBits);
+  }
+  const int bits = row_on_factor(depth, l + 2, RowScaledFactor<kStates>::kMostBits, scratch_);
+  std::int64_t squared = 0;
+  for (int j = 0; j <= l + 2; ++j) squared += std::int64_t{scratch_[j]} * scratch_[j];
+  const std::int64_t share = wide::divide(wide::scale(squared, kBits - 2 * bits, saturations_),
+                                          std::int64_t{rows.z.raw()} * rows.z.raw(),
+                                          2 * FixedLength::kFractionBits, saturations_);
+  const FixedRoot factor =
+      square_root(wide::add(std::int64_t{1} << kBits, share, saturations_), kBits);
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 3; ++k) out.h[i][k] = rows.h[i][k];
+    for (int k = 0; k < 2; ++k) out.tilt[i][k] = rows.tilt[i][k];
+    const std::int64_t sigma =
+        wide::multiply(sigma_px.raw(), rows.per_pixel[i], FixedPixel::kFractionBits, saturations_);
+    out.sigma[i] = wide::multiply(sigma, factor.mantissa, factor.bits, saturations_);
+    if (out.sigma[i] == 0) out.sigma[i] = 1;
+  }
+  return true;
+}
+
+/// Covariance of the two rows without their noise, m^2.
+template <int MaxLandmarks, int LandmarkDim>
+FixedCovariance2 FixedGroupSlam<MaxLandmarks, LandmarkDim>::innovation_of(
+    const PixelSighting& sighting, std::uint32_t& saturations) {
+  const int last = state_of(sighting.slot) + 2;
+  std::int32_t* const a[2] = {scratch_, scratch_ + kStates};
+  int bits[2];
+  for (int i = 0; i < 2; ++i) {
+    bits[i] = row_on_factor(row_of(sighting, i), last, RowScaledFactor<kStates>::kMostBits, a[i]);
+  }
+  std::int64_t sums[3] = {};
+  for (int j = 0; j <= last; ++j) {
+    sums[0] += std::int64_t{a[0][j]} * a[0][j];
+    sums[1] += std::int64_t{a[0][j]} * a[1][j];
+    sums[2] += std::int64_t{a[1][j]} * a[1][j];
+  }
+  const auto variance = [&](int k, int i, int j) {
+    return FixedVariance::from_raw(
+        wide::scale(sums[k], FixedVariance::kFractionBits - bits[i] - bits[j], saturations));
+  };
+  return {variance(0, 0, 0), variance(1, 0, 1), variance(2, 1, 1)};
+}
+
+/// Fills pixels_ with the matches of known landmarks inside their gates; the number of them.
+template <int MaxLandmarks, int LandmarkDim>
+int FixedGroupSlam<MaxLandmarks, LandmarkDim>::collect_pixels(const PixelView& view,
+                                                              FixedPixel sigma_px,
+                                                              FixedPixelMatch* matches, int count,
+                                                              FixedUpdateReport& report) {
+  report = FixedUpdateReport{};
+  refused_count_ = 0;
+  admitted_score_ = 0;
+  int used = 0;
+  for (int k = 0; k < count; ++k) {
+    const int slot = find(matches[k].id);
+    if (slot < 0) continue;
+    ++report.matches;
+    PixelSighting& sighting = pixels_[used];
+    sighting.source = k;
+    detail::FixedPixelRows rows;
+    bool admitted = sight(view, slot, sigma_px, sighting, rows);
+    if (admitted) {
+      FixedVariance noise[2];
+      for (int i = 0; i < 2; ++i) {
+        const std::int64_t missed = std::int64_t{matches[k].pixel[i].raw()} - rows.pixel[i].raw();
+        sighting.innovation[i] =
+            wide::multiply(missed, rows.per_pixel[i], FixedPixel::kFractionBits, saturations_);
+        noise[i] = FixedVariance::from_raw(
+            wide::multiply(sighting.sigma[i], sighting.sigma[i],
+                           2 * detail::kPixelBits - FixedVariance::kFractionBits, saturations_));
+      }
+      const FixedScore score =
+          detail::mahalanobis(innovation_of(sighting, saturations_), noise, sighting.innovation,
+                              detail::kPixelBits, saturations_);
+      admitted = score <= parameters_.gate;
+      if (admitted) admitted_score_ += score.raw();
+    }
+    if (admitted) {
+      used_[used++] = static_cast<std::int16_t>(slot);
+      continue;
+    }
+    ++report.gated;
+    ++health_.innovations_gated;
+    refused_[refused_count_++] = static_cast<std::int16_t>(slot);
+  }
+  return used;
+}
+
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update_pixels(const FixedCamera& camera,
+                                                                const FixedMount& T_vehicle_camera,
+                                                                FixedPixel sigma_px,
+                                                                FixedPixelMatch* matches, int count,
+                                                                FixedUpdateReport& report) {
+  if constexpr (LandmarkDim != 3) {
+    static_cast<void>(camera), static_cast<void>(T_vehicle_camera), static_cast<void>(sigma_px);
+    static_cast<void>(matches), static_cast<void>(count), static_cast<void>(report);
+    return Status::kInvalidArgument;
+  } else {
+    const Status status = check_camera(camera, T_vehicle_camera, sigma_px);
+    if (!ok(status)) return status;
+    if (count < 0 || count > kMaxObservations || (count > 0 && matches == nullptr)) {
+      return Status::kInvalidArgument;
+    }
+    for (int k = 0; k < count; ++k) matches[k].inlier = false;
+    absorb_motion();
+    int used =
+        collect_pixels(camera_view(camera, T_vehicle_camera), sigma_px, matches, count, report);
+    const bool rests = rest_.resting() && tells_nothing_new(used, report);
+    if (!rests) {
+      if (rest_.resting()) {
+        end_rest();
+        absorb_motion();
+        used =
+            collect_pixels(camera_view(camera, T_vehicle_camera), sigma_px, matches, count, report);
+      }
+      apply(pixels_, used, report);
+      finish_update(used, report);
+    }
+    for (int k = 0; k < used; ++k) matches[pixels_[k].source].inlier = true;
+    return Status::kOk;
+  }
+}
+
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict_pixel(int slot, const FixedCamera& camera,
+                                                                const FixedMount& T_vehicle_camera,
+                                                                FixedPixel sigma_px,
+                                                                FixedPixelPrediction& prediction) {
+  if constexpr (LandmarkDim != 3) {
+    static_cast<void>(slot), static_cast<void>(camera), static_cast<void>(T_vehicle_camera);
+    static_cast<void>(sigma_px), static_cast<void>(prediction);
+    return Status::kInvalidArgument;
+  } else {
+    const Status status = check_camera(camera, T_vehicle_camera, sigma_px);
+    if (!ok(status)) return status;
+    if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
+    absorb_motion();
+    PixelSighting sighting;
+    detail::FixedPixelRows rows;
+    if (!sight(camera_view(camera, T_vehicle_camera), slot, sigma_px, sighting, rows) ||
+        !camera.contains(rows.pixel)) {
+      return Status::kOutOfView;
+    }
+    const FixedCovariance2 own = innovation_of(sighting, saturations_);
+    const auto noise = [&](int i) {
+      return FixedVariance::from_raw(
+          wide::multiply(sighting.sigma[i], sighting.sigma[i],
+                         2 * detail::kPixelBits - FixedVariance::kFractionBits, saturations_));
+    };
+    // From m^2 to px^2.
+    const auto variance = [&](FixedVariance s, int i, int j) {
+      const std::int64_t once =
+          wide::divide(s.raw(), rows.per_pixel[i], detail::kPixelBits, saturations_);
+      constexpr int kShift =
+          FixedPixelVariance::kFractionBits + detail::kPixelBits - FixedVariance::kFractionBits;
+      return FixedPixelVariance::from_raw(
+          wide::divide(once, rows.per_pixel[j], kShift, saturations_));
+    };
+    for (int i = 0; i < 2; ++i) prediction.pixel[i] = rows.pixel[i];
+    prediction.xx = variance(add(own.xx, noise(0), saturations_), 0, 0);
+    prediction.xy = variance(own.xy, 0, 1);
+    prediction.yy = variance(add(own.yy, noise(1), saturations_), 1, 1);
+    return Status::kOk;
+  }
+}
+
+template <int MaxLandmarks, int LandmarkDim>
+Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update_height(LandmarkId id, FixedLength height,
+                                                                FixedLength sigma,
+                                                                FixedScore gate) {
+  if constexpr (LandmarkDim != 3) {
+    static_cast<void>(id), static_cast<void>(height), static_cast<void>(sigma);
+    static_cast<void>(gate);
+    return Status::kInvalidArgument;
+  } else {
+    constexpr int kScoreBits = 20;
+    constexpr int kFiner = detail::kPixelBits - FixedLength::kFractionBits;
+    if (!initialised_) return Status::kNotInitialised;
+    if (sigma.raw() <= 0 || gate.raw() <= 0) return Status::kInvalidArgument;
+    PixelSighting& seen = pixels_[0];
+    const int slot = find(id);
+    if (slot < 0) return Status::kNotFound;
+    seen = PixelSighting();
+    seen.slot = slot;
+    seen.rows = 1;
+    seen.h[0][2] = FixedTangent::nearest(1.0);
+    const FixedLength missed =
+        subtract(height, convert<FixedLength>(landmark_height(slot), saturations_), saturations_);
+    seen.innovation[0] = missed.raw() * (std::int64_t{1} << kFiner);
+    seen.sigma[0] = sigma.raw() * (std::int64_t{1} << kFiner);
+    const auto noise =
+        multiply<FixedVariance>(convert<Fixed<std::int64_t, 24>>(sigma, saturations_),
+                                Fixed<std::int64_t, 20>::from_raw(sigma.raw()), saturations_);
+    const FixedRoot root =
+        square_root(add(landmark_height_variance(slot), noise, saturations_).raw(),
+                    FixedVariance::kFractionBits);
+    std::uint32_t none = 0;  // a distance too large for its format is large
+    const std::int64_t y =
+        wide::narrow(wide::divide(seen.innovation[0], root.mantissa,
+                                  kScoreBits + root.bits - detail::kPixelBits, none),
+                     none);
+    if (wide::round_shift(y * y, 2 * kScoreBits - FixedScore::kFractionBits) > gate.raw()) {
+      return Status::kGated;
+    }
+    FixedUpdateReport report;
+    apply(pixels_, 1, report);
+    return Status::kOk;
+  }
+}
+
+template <int MaxLandmarks, int LandmarkDim>
+std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply_row(const PixelSighting& sighting,
+                                                                  int row) {
+  const int last = state_of(sighting.slot) + LandmarkDim - 1;
+  const int room = 29 - wide::bit_length(wide::magnitude(sighting.sigma[row])) + detail::kPixelBits;
+  const StateRow h = row_of(sighting, row);
+  const int most = RowScaledFactor<kStates>::kMostBits;
+  const int bits = row_on_factor(h, last, room < most ? room : most, scratch_);
+  auto sigma = static_cast<std::int32_t>(
+      wide::scale(sighting.sigma[row], bits - detail::kPixelBits, saturations_));
+  if (sigma == 0) sigma = 1;
+  // The innovation at the mean corrected so far.
+  std::int64_t innovation = sighting.innovation[row];
+  for (int k = 0; k < h.count; ++k) {
+    const bool angle = h.state[k] >= kTiltState && h.state[k] < vehicle_states();
+    const int fraction =
+        h.bits[k] + (angle ? FixedAngle::kFractionBits : FixedOffset::kFractionBits);
+    innovation = wide::add(innovation,
+                           -wide::round_shift(h.coefficient[k] * correction_[h.state[k]],
+                                              fraction - detail::kPixelBits),
+                           saturations_);
+  }
+  return take_in(last, bits, sigma, innovation, detail::kPixelBits);
+}
+
+}  // namespace cairn
