@@ -40,7 +40,9 @@ while [ $# -gt 0 ]; do
   esac
   shift
 done
+fixed=()
 if [ ${#targets[@]} -eq 0 ]; then
+  fixed=(cortex-m3 cortex-m0plus rv32imc)
   targets=("${boards[@]}" "${linux[@]}")
   [ $all = no ] || targets+=("${hosts[@]}")
 fi
@@ -66,7 +68,7 @@ build() {
 }
 
 cmake --preset host
-cmake --build --preset host --target cairn_sim "${programs[@]}" "${large[@]}"
+cmake --build --preset host --target cairn_sim fixed_replay "${programs[@]}" "${large[@]}"
 "${report[@]}" --record
 
 status=0
@@ -82,6 +84,12 @@ for target in "${targets[@]}"; do
     continue
   fi
   "${report[@]}" --target "$target" "${options[@]}" || status=1
+done
+# Without a floating-point unit: what works in fixed point, all of its tests.
+for board in ${fixed[@]+"${fixed[@]}"}; do
+  cmake --preset "$board" -DCAIRN_ALL_UNIT_TESTS=ON && cmake --build --preset "$board" &&
+    ctest --preset "$board" &&
+    python3 tests/target/compare_runs.py "build/$board" fixed_replay build/host/bin/fixed_replay || status=1
 done
 if [ $growth = yes ]; then
   cmake --preset cortex-m7

@@ -16,7 +16,14 @@ else
   packages+=(
     git clang clang-format clang-tidy libgtest-dev libbenchmark-dev librapidcheck-dev python3-matplotlib valgrind
     gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm llvm
+    gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf
   )
+  # QEMU's RISC-V machines; Debian 13 has them in a package of their own.
+  # shellcheck disable=SC1091
+  case $(. /etc/os-release && echo "$ID-$VERSION_ID") in
+    debian-12 | ubuntu-*) packages+=(qemu-system-misc) ;;
+    *) packages+=(qemu-system-riscv) ;;
+  esac
 fi
 packages+=("$@")
 

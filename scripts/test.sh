@@ -5,6 +5,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 boards=(cortex-m7 cortex-m4f cortex-m7-clang)
+# Without a floating-point unit: what works in fixed point.
+fixed=(cortex-m3 cortex-m0plus rv32imc)
 
 scripts/setup.sh
 for board in "${boards[@]}"; do
@@ -14,6 +16,11 @@ for board in "${boards[@]}"; do
   cmake --preset "$board" "${once[@]}"
   cmake --build --preset "$board"
 done
-cmake --preset host -DCAIRN_UNITY_BUILD=ON -DCAIRN_FIRMWARE_BOARDS="$(IFS=';'; echo "${boards[*]}")"
+for board in "${fixed[@]}"; do
+  cmake --preset "$board"
+  cmake --build --preset "$board"
+done
+cmake --preset host -DCAIRN_UNITY_BUILD=ON -DCAIRN_FIRMWARE_BOARDS="$(IFS=';'; echo "${boards[*]}")" \
+  -DCAIRN_FIXED_POINT_BOARDS="$(IFS=';'; echo "${fixed[*]}")"
 cmake --build --preset host
 ctest --preset host --parallel "$(nproc)"

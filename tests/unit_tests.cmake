@@ -34,11 +34,16 @@ endfunction()
 #   all          every board, in builds with CAIRN_ALL_UNIT_TESTS
 #   double       of these, boards with double-precision hardware: much in double, minutes by software
 #   large        of these, boards with 4 MB of memory
+#   fixed        of these, all; boards in fixed point (CAIRN_FIXED_POINT_ALONE) have these and `fixed-quick` alone
+#   fixed-quick  the same, there in every build
 #   cortex-m7    of these, one board: hundreds of frames, minutes under emulation; replays compare the others
 function(cairn_unit_test name)
   cmake_parse_arguments(arg "" "BOARDS" "SOURCES;INCLUDES" ${ARGN})
-  if(NOT arg_BOARDS MATCHES "^(quick|all|double|large|cortex-m7)$")
-    message(FATAL_ERROR "${name}: BOARDS '${arg_BOARDS}' is none of quick, all, double, large, cortex-m7")
+  if(NOT arg_BOARDS MATCHES "^(quick|all|double|large|fixed|fixed-quick|cortex-m7)$")
+    message(FATAL_ERROR "${name}: BOARDS '${arg_BOARDS}' is none of quick, all, double, large, fixed, fixed-quick, cortex-m7")
+  endif()
+  if(CAIRN_FIXED_POINT_ALONE AND NOT arg_BOARDS MATCHES "^fixed")
+    return()
   endif()
   if(CAIRN_BARE_METAL)
     cairn_on_this_board(${arg_BOARDS} wanted)
@@ -72,7 +77,7 @@ endfunction()
 
 function(cairn_on_this_board set result)
   set(wanted ${CAIRN_ALL_UNIT_TESTS})
-  if(set STREQUAL quick)
+  if(set STREQUAL quick OR (CAIRN_FIXED_POINT_ALONE AND set STREQUAL fixed-quick))
     set(wanted ON)
   elseif(set STREQUAL double AND NOT CAIRN_TARGET_HAS_DOUBLE)
     set(wanted OFF)

@@ -8,12 +8,16 @@ machine=$1
 program=$2
 shift 2
 
+case $machine in
+  virt) emulator=(qemu-system-riscv32 -bios none) ;;
+  *) emulator=(qemu-system-arm) ;;
+esac
 semihosting=enable=on,target=native,chardev=text,arg=$(basename "$program")
 for argument in "$@"; do
   semihosting+=,arg=${argument//,/,,}
 done
 # shellcheck disable=SC2086
-exec timeout "${CAIRN_QEMU_TIMEOUT:-300}" qemu-system-arm -M "$machine" \
+exec timeout "${CAIRN_QEMU_TIMEOUT:-300}" "${emulator[@]}" -M "$machine" \
   -display none -monitor none -serial none -chardev stdio,id=text \
   -semihosting-config "$semihosting" -icount shift=6,sleep=off \
   ${CAIRN_QEMU_OPTIONS:-} -kernel "$program" </dev/null

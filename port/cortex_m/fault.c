@@ -1,7 +1,6 @@
 #include "cairn/port/port.h"
 
 #include "cortex_m.h"
-#include "semihost.h"
 
 #define CFSR REGISTER32(0xE000ED28U)
 #define MMFAR REGISTER32(0xE000ED34U)
@@ -17,15 +16,10 @@ enum {
   kUsageBits = 0x3EF0000
 };
 
-static int in_stack_guard(uint32_t address) {
-  const uint32_t limit = (uint32_t)cairn_stack_limit;
-  return address >= limit && address < limit + kStackGuardBytes;
-}
-
 static enum CairnFaultKind classify(const struct CairnFault* fault, int address_known) {
   if ((fault->status & (kMemoryStacking | kStackLimit)) != 0) return CAIRN_FAULT_STACK_OVERFLOW;
   if ((fault->status & (kMemoryAccess | kMemoryAddressValid)) != 0) {
-    if (address_known && in_stack_guard(fault->address)) return CAIRN_FAULT_STACK_OVERFLOW;
+    if (address_known && image_in_stack_guard(fault->address)) return CAIRN_FAULT_STACK_OVERFLOW;
     const int null_data = address_known && fault->address < kNullGuardBytes;
     const int null_call = !address_known && fault->pc < kNullGuardBytes;
     return null_data || null_call ? CAIRN_FAULT_NULL_ACCESS : CAIRN_FAULT_MEMORY;
@@ -53,24 +47,4 @@ __attribute__((noreturn, used)) void cortex_m_fault(const uint32_t* frame) {
   }
   fault.kind = classify(&fault, address_known);
   cairn_port_fault_hook(&fault);
-}
-
-static void write_hex(const char* name, uint32_t value) {
-  char digits[] = "0x00000000";
-  for (int i = 0; i < 8; ++i) digits[2 + i] = "0123456789abcdef"[(value >> (28 - 4 * i)) & 15U];
-  cairn_port_write(name);
-  cairn_port_write(digits);
-}
-
-void cairn_port_fault_hook(const struct CairnFault* fault) {
-  static const char* const names[] = {"stack-overflow", "null-access", "memory", "bus",
-                                      "usage",          "other"};
-  cairn_port_write("FAULT ");
-  cairn_port_write(names[fault->kind]);
-  write_hex(" pc=", fault->pc);
-  write_hex(" lr=", fault->lr);
-  write_hex(" address=", fault->address);
-  write_hex(" cfsr=", fault->status);
-  cairn_port_write("\n");
-  semihost_exit(125);
 }

@@ -1,6 +1,6 @@
-// Stack and null guards. ARMv7-M: two no-access MPU regions on top of the default map. ARMv8-M has
-// no "no access" for privileged code, so there only what the program owns is mapped, and the stack
-// limit register watches the stack.
+// Stack and null guards. ARMv6-M and ARMv7-M: two no-access MPU regions on top of the default map.
+// ARMv8-M has no "no access" for privileged code, so there only what the program owns is mapped,
+// and the stack limit register watches the stack.
 
 #include "cortex_m.h"
 
@@ -17,7 +17,7 @@ static void enable_fault_exceptions(void) {
   __asm volatile("dsb\n isb" ::: "memory");
 }
 
-#if __ARM_ARCH == 7
+#if __ARM_ARCH <= 7
 
 static void forbid(uint32_t region, uint32_t base, uint32_t log2_bytes) {
   const uint32_t execute_never = 1U << 28U;
@@ -27,7 +27,7 @@ static void forbid(uint32_t region, uint32_t base, uint32_t log2_bytes) {
   MPU_RASR_OR_RLAR = execute_never | ((log2_bytes - 1U) << 1U) | enable;
 }
 
-void cortex_m_guards_start(void) {
+void cpu_guards_start(void) {
   forbid(0, 0, 10);
   forbid(1, (uint32_t)cairn_stack_limit, 12);
   MPU_CTRL = 5U;  // enable, default map for the rest
@@ -46,7 +46,7 @@ static void allow(uint32_t region, uint32_t first, uint32_t end, enum Access acc
   MPU_RASR_OR_RLAR = ((end - 1U) & ~31U) | ((uint32_t)memory << 1U) | 1U;
 }
 
-void cortex_m_guards_start(void) {
+void cpu_guards_start(void) {
   MPU_MAIR0 = 0x000000FFU | (0x04U << 8U);  // 0: write-back memory, 1: device nGnRE
   allow(0, (uint32_t)cairn_code_start, (uint32_t)cairn_code_end, kReadOnly, 0, kNormal);
   allow(1, (uint32_t)cairn_stack_limit, (uint32_t)cairn_ram_end, kReadWrite, 1, kNormal);

@@ -1,75 +1,12 @@
-// Reset and vectors of Cortex-M firmware: FPU, memory, stack paint, guards, constructors, main.
+// Reset and vectors of Cortex-M firmware.
 
-#include <stddef.h>
 #include <stdint.h>
 
 #include "cairn/port/port.h"
 
 #include "cortex_m.h"
-#include "semihost.h"
 
-typedef void (*Constructor)(void);
-extern const Constructor cairn_init_array_start[];
-extern const Constructor cairn_init_array_end[];
-
-int main(int argc, char** argv);
-
-enum { kCommandLineBytes = 512, kMaxArguments = 16 };
-static const uint32_t kStackPaint = 0xA5A5A5A5U;
-
-static char command_line[kCommandLineBytes];
-static char* arguments[kMaxArguments + 1];
-
-static int split_command_line(void) {
-  if (semihost_command_line(command_line, kCommandLineBytes) != 0) return 0;
-  int count = 0;
-  char* at = command_line;
-  while (count < kMaxArguments) {
-    while (*at == ' ') ++at;
-    if (*at == '\0') break;
-    arguments[count++] = at;
-    while (*at != '\0' && *at != ' ') ++at;
-    if (*at == ' ') *at++ = '\0';
-  }
-  arguments[count] = NULL;
-  return count;
-}
-
-static void initialise_memory(void) {
-  const uint32_t* source = cairn_data_load;
-  for (uint32_t* to = cairn_data_start; to < cairn_data_end; ++to) *to = *source++;
-  for (uint32_t* to = cairn_bss_start; to < cairn_bss_end; ++to) *to = 0;
-}
-
-void cortex_m_paint_stack(void) {
-  const uint32_t own_frame_words = 32;
-  uint32_t* const end = (uint32_t*)__builtin_frame_address(0) - own_frame_words;
-  for (uint32_t* word = cairn_stack_limit; word < end; ++word)
-    *(volatile uint32_t*)word = kStackPaint;
-}
-
-uint32_t cairn_port_stack_used_bytes(void) {
-  const uint32_t* word = cairn_stack_limit + kStackGuardBytes / 4;
-  while (word < cairn_stack_top && *word == kStackPaint) ++word;
-  return (uint32_t)((const char*)cairn_stack_top - (const char*)word);
-}
-
-uint32_t cairn_port_stack_size_bytes(void) {
-  return (uint32_t)((const char*)cairn_stack_top - (const char*)cairn_stack_limit) -
-         kStackGuardBytes;
-}
-
-__attribute__((noreturn, used)) void cortex_m_start(void) {
-  initialise_memory();
-  cortex_m_paint_stack();
-  cortex_m_guards_start();
-  cortex_m_ticks_start();
-  for (const Constructor* each = cairn_init_array_start; each < cairn_init_array_end; ++each) {
-    (*each)();
-  }
-  const int argc = split_command_line();
-  semihost_exit(main(argc, arguments));
-}
+#if __ARM_ARCH >= 7
 
 // The FPU must be on before any C code: compilers save its registers in prologues.
 __attribute__((naked, noreturn, used)) void Reset_Handler(void) {
@@ -80,8 +17,25 @@ __attribute__((naked, noreturn, used)) void Reset_Handler(void) {
       "str r1, [r0]\n"
       "dsb\n"
       "isb\n"
-      "b   cortex_m_start\n");
+      "b   image_start\n");
 }
+
+#else
+
+// Unaligned accesses trap: the emulated core, which is larger, would allow them (CCR.UNALIGN_TRP).
+__attribute__((naked, noreturn, used)) void Reset_Handler(void) {
+  __asm volatile(
+      ".syntax unified\n"
+      "ldr  r0, =0xE000ED14\n"
+      "ldr  r1, [r0]\n"
+      "movs r2, #8\n"
+      "orrs r1, r2\n"
+      "str  r1, [r0]\n"
+      "ldr  r0, =image_start\n"
+      "bx   r0\n");
+}
+
+#endif
 
 // The stack may be what failed, so the rest runs on a fresh one.
 __attribute__((naked, used)) static void fault_exception(void) {
@@ -94,7 +48,8 @@ __attribute__((naked, used)) static void fault_exception(void) {
       "mrs   r0, msp\n"
       "ldr   r1, =cairn_stack_top\n"
       "msr   msp, r1\n"
-      "b     cortex_m_fault\n");
+      "ldr   r1, =cortex_m_fault\n"
+      "bx    r1\n");
 }
 
 uint32_t cairn_port_critical_enter(void) {

@@ -9,7 +9,7 @@
 #define TIMER_VALUE REGISTER32(CAIRN_BOARD_TIMER_BASE + 0x4U)
 #define TIMER_RELOAD REGISTER32(CAIRN_BOARD_TIMER_BASE + 0x8U)
 
-void cortex_m_ticks_start(void) {
+void cpu_ticks_start(void) {
   TIMER_CONTROL = 0;
   TIMER_RELOAD = 0xFFFFFFFFU;
   TIMER_VALUE = 0xFFFFFFFFU;

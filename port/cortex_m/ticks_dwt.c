@@ -10,7 +10,7 @@
 #define DWT_CYCCNT REGISTER32(0xE0001004U)
 #define DWT_LAR REGISTER32(0xE0001FB0U)
 
-void cortex_m_ticks_start(void) {
+void cpu_ticks_start(void) {
   DEMCR |= 1U << 24U;
   DWT_LAR = 0xC5ACCE55U;  // Cortex-M7 locks the unit after reset
   DWT_CYCCNT = 0;

@@ -8,7 +8,7 @@
 #define COUNTER_CONTROL REGISTER32(0x58100000U)
 #define COUNTER_VALUE_LOW REGISTER32(0x48101000U)
 
-void cortex_m_ticks_start(void) {
+void cpu_ticks_start(void) {
   COUNTER_CONTROL |= 1U;
 }
 

@@ -3,9 +3,11 @@
 helpers of the compiler, sqrt, fabs and floor. So heap, exceptions, RTTI, libm, stdio and Eigen's
 blocked products cannot slip in, and no object keeps state of its own.
 
-usage: check_symbols.py --nm NM [--no-soft-double] [--with LIBRARY] FILE...
+usage: check_symbols.py --nm NM [--no-soft-double | --soft-float | --integers] [--with LIBRARY] FILE...
   --with             a library that was checked itself, and whose symbols may be referred to
   --no-soft-double   the CPU has no double: its emulation may not be in the file (for images)
+  --soft-float       the CPU has no floating point: its emulation may be in the file
+  --integers         nor may it
 """
 import argparse
 import re
@@ -17,9 +19,17 @@ ALLOWED = re.compile(
     r"|__aeabi_(mem(cpy|move|set|clr)[48]?|u?idiv(mod)?|u?ldivmod|lmul|ll?s[lr]|lasr|u?lcmp"
     r"|[fd]2u?lz|u?l2[fd])"
     r"|__popcount[sd]i2|__clz[sd]i2|__ctz[sd]i2|_GLOBAL_OFFSET_TABLE_"
+    # RISC-V: products and quotients of 64 bits
+    r"|__muldi3|__u?(div|mod)di3|__(ashl|lshr|ashr)di3"
     # x86: which CPU this is, for popcnt; a constant of the compiler's runtime
     r"|__cpu_model)$")
 SOFT_DOUBLE = re.compile(r"^__aeabi_(d\w+|c?d(cmp\w*|rcmple)|[fiu]+2d|u?l2d|d2\w+)$")
+# The names of Arm's run-time ABI and of libgcc.
+SOFT_FLOAT = re.compile(
+    r"^(__aeabi_([fd](add|sub|rsub|mul|div|neg|2\w+|cmp\w*)|c[fd]r?cmp\w*|(i|ui|u?l|h)2[fd]\w*)"
+    r"|__(add|sub|mul|div|neg|eq|ne|lt|le|gt|ge|cmp|unord|pow)[sdt]f\w*"
+    r"|__(fix|float|extend|trunc)\w+)$")
+FLOAT_MATHS = re.compile(r"^(sqrt|fabs|floor)f?$")
 KNOWN = [
     (re.compile(r"^(malloc|calloc|realloc|free|_\w*alloc_r|_free_r|_?sbrk\w*|aligned_alloc|posix_memalign"
                 r"|_Zn[aw]\w*|_Zd[al]\w*)$"), "heap"),
@@ -52,10 +62,17 @@ def defined_in(seen):
     return {name for name, kind in seen if kind not in "Uw"}
 
 
-def faults(nm, file, is_image, no_soft_double, known):
+def faults(nm, file, is_image, args, known):
+    no_soft_double = args.no_soft_double
     seen = list(symbols(nm, file))
     defined = defined_in(seen) | known
+    if args.integers:
+        for name in sorted({name for name, _ in seen}):
+            if SOFT_FLOAT.match(name) or FLOAT_MATHS.match(name):
+                yield f"has {name} (floating point)"
     for name in sorted({name for name, kind in seen if kind in "Uw"} - defined):
+        if SOFT_FLOAT.match(name) and (args.soft_float or args.integers):
+            continue  # allowed, or said above
         if ALLOWED.match(name) or (SOFT_DOUBLE.match(name) and not no_soft_double):
             continue
         why = next((reason for pattern, reason in KNOWN if pattern.match(name)), "not on the list")
@@ -78,6 +95,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--nm", default="nm")
     parser.add_argument("--no-soft-double", action="store_true")
+    parser.add_argument("--soft-float", action="store_true")
+    parser.add_argument("--integers", action="store_true")
     parser.add_argument("--with", dest="library")
     parser.add_argument("files", nargs="+")
     args = parser.parse_args()
@@ -85,7 +104,7 @@ def main():
     count = 0
     for file in args.files:
         is_image = file.endswith(".elf")
-        for fault in faults(args.nm, file, is_image, args.no_soft_double, known):
+        for fault in faults(args.nm, file, is_image, args, known):
             print(f"{file}: {fault}")
             count += 1
     print(f"{len(args.files)} files, {count} forbidden symbols")

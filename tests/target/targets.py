@@ -35,7 +35,7 @@ class Target:
         self.build = pathlib.Path(build)
         self.name = self.build.name
         self.emulator = emulator_of(self.build)
-        self.bare_metal = self.name.startswith("cortex-")
+        self.bare_metal = self.name.startswith(("cortex-", "rv32"))
 
     def program(self, name):
         return program_of(self.build, name)

@@ -296,5 +296,6 @@ struct Parameterised {
 #define ASSERT_LE(a, b) CAIRN_TEST_ASSERT(CAIRN_TEST_COMPARE(a, <=, b), #a " <= " #b)
 #define ASSERT_GT(a, b) CAIRN_TEST_ASSERT(CAIRN_TEST_COMPARE(a, >, b), #a " > " #b)
 #define ASSERT_GE(a, b) CAIRN_TEST_ASSERT(CAIRN_TEST_COMPARE(a, >=, b), #a " >= " #b)
+#define ASSERT_NEAR(a, b, d) CAIRN_TEST_ASSERT(::testing::internal::near(a, b, d), #a " near " #b)
 #define ADD_FAILURE() CAIRN_TEST_FAILURE("no failure", false)
 #define FAIL() return CAIRN_TEST_FAILURE("no failure", true)

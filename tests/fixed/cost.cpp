@@ -4,7 +4,7 @@
 
 #include "cairn/port/port.h"
 
-#include "fixed_cycles.hpp"
+#include "cycles.hpp"
 #include "tests/target/text.hpp"
 
 namespace {

@@ -1,6 +1,7 @@
 #pragma once
 
-/// ARM semihosting (BKPT 0xAB): requests to the debugger or emulator.
+/// Semihosting, Arm's (BKPT 0xAB) and RISC-V's (EBREAK between two shifts): requests to the
+/// debugger or emulator.
 
 #include <stdint.h>
 

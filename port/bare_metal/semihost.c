@@ -3,12 +3,36 @@
 #include "cairn/port/files.h"
 #include "cairn/port/port.h"
 
+#ifdef __riscv
+
+// The three instructions are the request: uncompressed, and on one page.
+int32_t semihost_call(enum SemihostOperation operation, const void* argument) {
+  register int32_t a0 __asm("a0") = (int32_t)operation;
+  register const void* a1 __asm("a1") = argument;
+  __asm volatile(
+      ".option push\n"
+      ".option norvc\n"
+      ".balign 16\n"
+      "slli zero, zero, 0x1f\n"
+      "ebreak\n"
+      "srai zero, zero, 7\n"
+      ".option pop\n"
+      : "+r"(a0)
+      : "r"(a1)
+      : "memory");
+  return a0;
+}
+
+#else
+
 int32_t semihost_call(enum SemihostOperation operation, const void* argument) {
   register int32_t r0 __asm("r0") = (int32_t)operation;
   register const void* r1 __asm("r1") = argument;
   __asm volatile("bkpt 0xAB" : "+r"(r0) : "r"(r1) : "memory");
   return r0;
 }
+
+#endif
 
 int32_t semihost_command_line(char* buffer, uint32_t size) {
   const uint32_t block[2] = {(uint32_t)buffer, size};

@@ -1,0 +1,15 @@
+# Cores without a floating-point unit on QEMU's mps2-an385. Their builds have what works in fixed point;
+# -DCAIRN_FIXED_POINT_ALONE=OFF adds all the rest, in emulated floating point.
+set(CAIRN_TARGET_HAS_DOUBLE OFF)
+set(CAIRN_TARGET_HAS_FLOAT OFF)
+set(CAIRN_BOARD_QEMU mps2-an385)
+set(CAIRN_BOARD_CODE 0x00000000)
+set(CAIRN_BOARD_CODE_BYTES 4M)
+set(CAIRN_BOARD_RAM 0x20000000)
+set(CAIRN_BOARD_RAM_BYTES 4M)
+set(CAIRN_BOARD_FRAME_RAM 0x21000000)
+set(CAIRN_BOARD_FRAME_RAM_BYTES 16M)
+set(CAIRN_BOARD_TICKS cmsdk)
+set(CAIRN_BOARD_TIMER_BASE 0x40000000U)
+set(CAIRN_BOARD_TIMER_HZ 25000000U)
+include(${CMAKE_CURRENT_LIST_DIR}/arm_none_eabi.cmake)
