@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/planar/fixed/fixed_ekf_slam.hpp"
 #include "cairn/planar/fixed/fixed_group_slam.hpp"
 
 #include "host_sim/base/planar_types.hpp"

@@ -140,7 +140,7 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
   command
       .add_option("--scalar", options.scalars,
                   "Numbers that the core's filters work with, separated by commas: double "
-                  "(default), float, fixed (group-iekf alone)")
+                  "(default), float, fixed (group-iekf and ekf)")
       ->delimiter(',')
       ->check(CLI::IsMember({"double", "float", "fixed"}));
   command.add_option("--seed", options.seed, "Seed of every run")

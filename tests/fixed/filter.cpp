@@ -1,5 +1,6 @@
-// The planar filter without floating point, for the symbols of its archive.
+// The planar filters without floating point, for the symbols of their archive.
 #include "tests/fixed/filters.hpp"
 
-template class cairn::FixedGroupSlam<20>;
-template class cairn::FixedGroupSlam<16, 3>;
+template class cairn::FixedPlanarSlam<20, 2, cairn::FixedError::kGroup>;
+template class cairn::FixedPlanarSlam<16, 3, cairn::FixedError::kGroup>;
+template class cairn::FixedPlanarSlam<20, 2, cairn::FixedError::kWorld>;

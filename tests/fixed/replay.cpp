@@ -16,10 +16,9 @@ constexpr int kWorldLandmarks = 80;
 constexpr int kSeeds = 4;
 constexpr int kUpdates = 60;
 
-using Filter = cairn::FixedGroupSlam<20>;
-using CameraFilter = cairn::FixedGroupSlam<16, 3>;
-Filter filter;
-CameraFilter camera_filter;
+cairn_test::PlaneFilter group_filter;
+cairn_test::PlaneEkf ekf;
+cairn_test::CameraFilter camera_filter;
 
 constexpr int kUnit = cairn::FixedLength::kFractionBits;
 
@@ -108,7 +107,8 @@ class World {
 };
 
 /// Sightings used, or -1. Even turns by points, odd ones by range and bearing.
-int look(World& world, int turn) {
+template <class Filter>
+int look(Filter& filter, World& world, int turn) {
   cairn::FixedPointObservation points[kWorldLandmarks];
   cairn::FixedRangeBearingObservation ranges[kWorldLandmarks];
   int count = 0;
@@ -248,7 +248,11 @@ bool run(const char* name, int seed, AnyFilter& any, const Look& look_around) {
 int main() {
   bool good = true;
   for (int seed = 1; seed <= kSeeds; ++seed) {
-    good = run("plane", seed, filter, look) && good;
+    const auto by_points_and_ranges = [](auto& filter) {
+      return [&filter](World& world, int turn) { return look(filter, world, turn); };
+    };
+    good = run("plane", seed, group_filter, by_points_and_ranges(group_filter)) && good;
+    good = run("ekf", seed, ekf, by_points_and_ranges(ekf)) && good;
     good = run("camera", seed, camera_filter,
                [](World& world, int) { return look_by_camera(world); }) &&
            good;

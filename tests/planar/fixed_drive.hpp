@@ -12,14 +12,11 @@ namespace cairn::planar_test {
 
 /// A drive past landmarks that the filter without floating point and its like in double share: both
 /// get the same numbers, those that fit the formats.
-template <int MaxLandmarks>
-class FixedDrive {
+template <class FixedFilter, class DoubleFilter>
+class FixedDriveOf {
  public:
-  using FixedFilter = FixedGroupSlam<MaxLandmarks>;
-  using DoubleFilter = GroupIekfSlam<double, MaxLandmarks>;
-
   /// `rest_sigmas`: 0 where every update counts.
-  explicit FixedDrive(std::uint64_t seed, double gate = 1e9, double rest_sigmas = 4.0)
+  explicit FixedDriveOf(std::uint64_t seed, double gate = 1e9, double rest_sigmas = 4.0)
       : random_(seed) {
     const FixedVariance variances[3] = {FixedVariance::nearest(0.04), FixedVariance::nearest(0.01),
                                         FixedVariance::nearest(0.002)};
@@ -203,5 +200,8 @@ class FixedDrive {
   std::unique_ptr<DoubleFilter> double_ = std::make_unique<DoubleFilter>();
   bool good_ = false;
 };
+
+template <int MaxLandmarks>
+using FixedDrive = FixedDriveOf<FixedGroupSlam<MaxLandmarks>, GroupIekfSlam<double, MaxLandmarks>>;
 
 }  // namespace cairn::planar_test

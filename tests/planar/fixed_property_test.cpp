@@ -4,18 +4,19 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "cairn/planar/fixed/fixed_ekf_slam.hpp"
+
 #include "any_fixed.hpp"
 #include "fixed_drive.hpp"
 
 namespace cairn {
 namespace {
 
-using Filter = FixedGroupSlam<4>;
-
 using planar_test::any;
 using planar_test::any_covariance;
 
 /// One call with arbitrary arguments; refusals are as good as any other answer.
+template <class Filter>
 void step(Filter& filter) {
   FixedUpdateReport report;
   const auto id = *rc::gen::inRange<LandmarkId>(0, 7);
@@ -60,8 +61,9 @@ void step(Filter& filter) {
   }
 }
 
-TEST(FixedFilterProperty, StaysSoundUnderAnyInput) {
-  EXPECT_TRUE(rc::check([] {
+template <class Filter>
+bool stays_sound() {
+  return rc::check([] {
     const auto filter = std::make_unique<Filter>();
     FixedPoseCovariance known;
     RC_ASSERT(ok(filter->initialise({}, known)));
@@ -77,7 +79,15 @@ TEST(FixedFilterProperty, StaysSoundUnderAnyInput) {
                                           FixedAngle::nearest(0.1), prediction);
       (void)filter->landmark(slot);
     }
-  }));
+  });
+}
+
+TEST(FixedFilterProperty, StaysSoundUnderAnyInput) {
+  EXPECT_TRUE(stays_sound<FixedGroupSlam<4>>());
+}
+
+TEST(FixedFilterProperty, StaysSoundUnderAnyInputAsEkf) {
+  EXPECT_TRUE(stays_sound<FixedEkfSlam<4>>());
 }
 
 /// What is measured for ever sinks far below what is never measured.

@@ -68,11 +68,8 @@ bool possible(FixedVariance a, FixedVariance b, FixedVariance covariance) {
   return wide::magnitude(covariance.raw()) <= limit + limit / 8192 + 2;
 }
 
-void FixedMotionNoise::move(const FixedIncrement& increment, const FixedStep& step,
-                            Count& saturations) {
-  const FixedOffset dx = convert<FixedOffset>(step.x, saturations);
-  const FixedOffset dy = convert<FixedOffset>(step.y, saturations);
-  // The position's error turns with the heading's: own += J step (heading).
+void FixedMotionNoise::turn(FixedOffset dx, FixedOffset dy, Count& saturations) {
+  // own += J step (heading).
   const FixedVariance x_before = x_heading_;
   const FixedVariance y_before = y_heading_;
   accumulate(x_heading_, -times(heading_, dy, saturations), saturations);
@@ -83,6 +80,12 @@ void FixedMotionNoise::move(const FixedIncrement& increment, const FixedStep& st
   accumulate(own_.yy, times(y_sum, dx, saturations), saturations);
   accumulate(own_.xy, times(x_before, dx, saturations), saturations);
   accumulate(own_.xy, -times(y_heading_, dy, saturations), saturations);
+}
+
+void FixedMotionNoise::move(const FixedIncrement& increment, const FixedStep& step,
+                            Count& saturations) {
+  turn(convert<FixedOffset>(step.x, saturations), convert<FixedOffset>(step.y, saturations),
+       saturations);
 
   // The increment's own: g Q g^T, g = [0 1; by_distance, by_turn].
   FixedVariance by_d[2];

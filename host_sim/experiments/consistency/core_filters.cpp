@@ -96,10 +96,9 @@ class SimulatedCoreFilter final : public FilterUnderTest {
   std::vector<PointObservation<T>> observations_;
 };
 
-/// The group filter without floating point: what it gets is rounded to its formats.
+/// A filter without floating point: what it gets is rounded to its formats.
+template <class Filter>
 class SimulatedFixedFilter final : public FilterUnderTest {
-  using Filter = FixedGroupSlam<kSimulatedCapacity>;
-
  public:
   SimulatedFixedFilter() : filter_(std::make_unique<Filter>()) {
     parameters_.gate = FixedScore::most();
@@ -173,7 +172,11 @@ std::unique_ptr<FilterUnderTest> make_core_group_iekf_float() {
 }
 
 std::unique_ptr<FilterUnderTest> make_core_group_iekf_fixed() {
-  return std::make_unique<SimulatedFixedFilter>();
+  return std::make_unique<SimulatedFixedFilter<FixedGroupSlam<kSimulatedCapacity>>>();
+}
+
+std::unique_ptr<FilterUnderTest> make_core_ekf_fixed() {
+  return std::make_unique<SimulatedFixedFilter<FixedEkfSlam<kSimulatedCapacity>>>();
 }
 
 std::unique_ptr<FilterUnderTest> make_core_lifted_iekf() {

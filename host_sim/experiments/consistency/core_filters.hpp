@@ -16,6 +16,7 @@ std::unique_ptr<FilterUnderTest> make_core_group_iekf();
 std::unique_ptr<FilterUnderTest> make_core_ekf_float();
 std::unique_ptr<FilterUnderTest> make_core_group_iekf_float();
 std::unique_ptr<FilterUnderTest> make_core_group_iekf_fixed();
+std::unique_ptr<FilterUnderTest> make_core_ekf_fixed();
 std::unique_ptr<FilterUnderTest> make_core_lifted_iekf();
 std::unique_ptr<FilterUnderTest> make_core_lifted_iekf_moments();
 

@@ -41,6 +41,7 @@ const std::vector<FilterKind>& filter_kinds() {
       {"group-iekf", kSimulatedCapacity, make_core_group_iekf},
       {"group-iekf-float", kSimulatedCapacity, make_core_group_iekf_float},
       {"group-iekf-fixed", kSimulatedCapacity, make_core_group_iekf_fixed},
+      {"ekf-fixed", kSimulatedCapacity, make_core_ekf_fixed},
       {"lifted-iekf", kSimulatedCapacity, make_core_lifted_iekf},
       {"lifted-iekf-moments", kSimulatedCapacity, make_core_lifted_iekf_moments},
       {"reduced-jacobian", kUnlimited, make_reduced<ReducedLifted::Noise::kJacobian>},

@@ -26,8 +26,16 @@ class FixedMotionNoise {
  public:
   bool empty() const { return heading_.raw() == 0 && own_.xx.raw() == 0 && own_.yy.raw() == 0; }
   void clear() { *this = FixedMotionNoise(); }
+  void start(const FixedPoseCovariance& covariance) {
+    heading_ = covariance.heading;
+    x_heading_ = covariance.x_heading;
+    y_heading_ = covariance.y_heading;
+    own_ = covariance.position;
+  }
   /// Pose errors move with the vehicle, and the increment adds its own.
   void move(const FixedIncrement& increment, const FixedStep& step, std::uint32_t& saturations);
+  /// The position's error turns with the heading's over a step of (x, y).
+  void turn(FixedOffset x, FixedOffset y, std::uint32_t& saturations);
   void widen(FixedVariance position, FixedVariance heading, std::uint32_t& saturations);
 
   FixedVariance heading() const { return heading_; }

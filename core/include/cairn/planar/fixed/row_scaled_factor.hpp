@@ -24,6 +24,22 @@ class RowScaledFactor {
   /// Element (row, column), column <= row.
   std::int32_t at(int row, int column) const { return data_[index(row, column)]; }
 
+  /// The elements of a row from the first on.
+  class RowReader {
+   public:
+    RowReader(const RowScaledFactor& factor, int row) : at_(factor.data_ + row) {}
+    std::int32_t next() {
+      const std::int32_t element = *at_;
+      at_ += --step_;
+      return element;
+    }
+
+   private:
+    const std::int32_t* at_;
+    int step_ = Capacity;
+  };
+  RowReader row(int row) const { return RowReader(*this, row); }
+
   void clear() { size_ = 0; }
   /// Appends a row of zeros.
   void append() {
@@ -57,9 +73,10 @@ class RowScaledFactor {
     return wide::scale(sum, 44 - bits_[i] - bits_[k], saturations);
   }
 
-  /// Adapts the scale of a row to it and to noise whose squared length is below 2^noise; false
-  /// (counted) where there is no room for the noise. Cost: row multiply-adds.
-  bool make_room(int row, int noise, std::uint32_t& saturations) {
+  /// Adapts the scale of a row to it and to noise whose squared length is below 2^noise, together
+  /// below 2^growth times the larger; false (counted) where there is no room for the noise. Cost:
+  /// row multiply-adds.
+  bool make_room(int row, int noise, std::uint32_t& saturations, int growth = 1) {
     std::uint64_t squared = 0;
     const std::int32_t* p = data_ + row;
     for (int j = 0; j <= row; ++j) {
@@ -68,10 +85,15 @@ class RowScaledFactor {
     }
     const int own = squared == 0 ? kNothing : wide::bit_length(squared) - 2 * bits_[row];
     const std::uint32_t before = saturations;
-    const int wanted = bits_for((own > noise ? own : noise) + 1, saturations);
+    const int wanted = bits_for((own > noise ? own : noise) + growth, saturations);
     if (saturations != before) return false;
     if (wanted < bits_[row] || wanted > bits_[row] + 1) rescale(row, wanted);
     return true;
+  }
+  /// Adds to an element of a row that has room for it.
+  void add(int row, int column, std::int64_t value, int fraction, std::uint32_t& saturations) {
+    std::int32_t& element = data_[index(row, column)];
+    element = wide::narrow(std::int64_t{element} + to_row(row, value, fraction), saturations);
   }
   /// `value` with `fraction` bits, at the scale of a row that has room for it.
   std::int32_t to_row(int row, std::int64_t value, int fraction) const {

@@ -1,14 +1,30 @@
 #pragma once
 
-#include "cairn/planar/fixed/fixed_group_slam.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam.hpp"
 
-// FixedGroupSlam: pose and landmarks with their covariances, and the hash of all.
+// FixedPlanarSlam: pose and landmarks with their covariances, and the hash of all.
 
 namespace cairn {
 
-template <int MaxLandmarks, int LandmarkDim>
-FixedPoseCovariance FixedGroupSlam<MaxLandmarks, LandmarkDim>::error_covariance(
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedPoseCovariance FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::error_covariance(
     std::uint32_t& saturations) const {
+  if constexpr (kWorld) {
+    const auto of = [&](int i, int k) {
+      return FixedVariance::from_raw(factor_.covariance(i, k, saturations));
+    };
+    detail::FixedMotionNoise taken_in;
+    taken_in.start({{of(1, 1), of(2, 1), of(2, 2)}, of(1, 0), of(2, 0), of(0, 0)});
+    taken_in.turn(convert<FixedOffset>(moved_[0], saturations),
+                  convert<FixedOffset>(moved_[1], saturations), saturations);
+    const auto both = [&](FixedVariance a, FixedVariance b) { return add(a, b, saturations); };
+    const FixedCovariance2& a = taken_in.position();
+    const FixedCovariance2& b = motion_.position();
+    return {{both(a.xx, b.xx), both(a.xy, b.xy), both(a.yy, b.yy)},
+            both(taken_in.x_heading(), motion_.x_heading()),
+            both(taken_in.y_heading(), motion_.y_heading()),
+            both(taken_in.heading(), motion_.heading())};
+  }
   FixedPoseCovariance sum = motion_.about(vehicle(0), vehicle(1), saturations);
   const auto enter = [&](FixedVariance& to, FixedVariance shared, int i, int k) {
     const auto own = FixedVariance::from_raw(factor_.covariance(i, k, saturations));
@@ -23,22 +39,27 @@ FixedPoseCovariance FixedGroupSlam<MaxLandmarks, LandmarkDim>::error_covariance(
   return sum;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-FixedPose FixedGroupSlam<MaxLandmarks, LandmarkDim>::mean_pose() const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedPose FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::mean_pose() const {
   std::uint32_t none = 0;
   return {add(anchor_[0], x_[0], none), add(anchor_[1], x_[1], none), heading_};
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-FixedLandmark FixedGroupSlam<MaxLandmarks, LandmarkDim>::mean_landmark(int slot) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedLandmark FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::mean_landmark(int slot) const {
   std::uint32_t none = 0;
   return {add(anchor_[0], p_[slot][0], none), add(anchor_[1], p_[slot][1], none), {}};
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::pose(FixedPose& mean,
-                                                     FixedPoseCovariance& covariance) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::pose(
+    FixedPose& mean, FixedPoseCovariance& covariance) const {
   std::uint32_t none = 0;
+  if (kWorld) {
+    mean = mean_pose();
+    covariance = error_covariance(none);
+    return;
+  }
   const detail::FixedMoments moments =
       detail::turned_point_moments(vehicle(0), vehicle(1), error_covariance(none), none);
   covariance = moments.covariance;
@@ -49,10 +70,16 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::pose(FixedPose& mean,
   mean.heading = heading_;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-FixedLandmark FixedGroupSlam<MaxLandmarks, LandmarkDim>::landmark(int slot) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedLandmark FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::landmark(int slot) const {
   std::uint32_t none = 0;
   const int l = state_of(slot);
+  if (kWorld) {
+    FixedLandmark own = mean_landmark(slot);
+    own.covariance = {factor_covariance(l, l), factor_covariance(l + 1, l),
+                      factor_covariance(l + 1, l + 1)};
+    return own;
+  }
   const FixedLength x = landmark_local(slot, 0);
   const FixedLength y = landmark_local(slot, 1);
   detail::FixedMotionNoise turn;
@@ -77,8 +104,8 @@ FixedLandmark FixedGroupSlam<MaxLandmarks, LandmarkDim>::landmark(int slot) cons
   return out;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::hash(Hash64& hash) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::hash(Hash64& hash) const {
   hash.add(heading_.raw());
   for (int i = 0; i < 2; ++i) {
     hash.add(x_[i].raw());
@@ -96,6 +123,9 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::hash(Hash64& hash) const {
     hash.add(v.raw());
   }
   rest_.hash(hash);
+  if (kWorld) {
+    for (const FixedCoordinate moved : moved_) hash.add(moved.raw());
+  }
   if (tilts()) {
     hash.add(tilt_.pitch.raw());
     hash.add(tilt_.roll.raw());

@@ -1,32 +1,52 @@
 #pragma once
 
-#include "cairn/planar/fixed/fixed_group_slam.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam.hpp"
 
-// FixedGroupSlam: updates and their book-keeping.
+// FixedPlanarSlam: updates.
 
 namespace cairn {
 
-template <int MaxLandmarks, int LandmarkDim>
-FixedCovariance2 FixedGroupSlam<MaxLandmarks, LandmarkDim>::relative_covariance(
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedCovariance2 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::relative_covariance(
     int slot, std::uint32_t& saturations) const {
   const int l = state_of(slot);
   int bits = RowScaledFactor<kStates>::kMostBits;
   for (const int row : {1, 2, l, l + 1}) {
     bits = factor_.bits(row) < bits ? factor_.bits(row) : bits;
   }
-  --bits;  // a difference of two
+  --bits;                     // a difference of two
+  std::int64_t turn[2] = {};  // the heading's part, in the first column
+  if constexpr (kWorld) {
+    const FixedLength by[2] = {lever(slot, 1), -lever(slot, 0)};
+    const std::uint64_t larger = wide::magnitude(by[0].raw()) | wide::magnitude(by[1].raw());
+    const int fits = factor_.bits(0) + FixedLength::kFractionBits - wide::bit_length(larger) - 1;
+    bits = (fits < bits ? fits : bits) - 1;
+    for (int axis = 0; axis < 2; ++axis) {
+      turn[axis] = wide::scale(std::int64_t{by[axis].raw()} * factor_.at(0, 0),
+                               bits - FixedLength::kFractionBits - factor_.bits(0), saturations);
+    }
+  }
   std::int64_t xx = 0;
   std::int64_t xy = 0;
   std::int64_t yy = 0;
+  const auto shift_of = [&](int row) {
+    const int shift = factor_.bits(row) - bits;
+    return shift < 31 ? shift : 31;
+  };
+  const int shifts[2] = {shift_of(l), shift_of(l + 1)};
+  auto first = factor_.row(l);
+  auto second = factor_.row(l + 1);
   for (int j = 0; j <= l + 1; ++j) {
-    std::int64_t d[2] = {};
-    for (int axis = 0; axis < 2; ++axis) {
-      if (j <= l + axis) d[axis] = factor_.at(l + axis, j) >> (factor_.bits(l + axis) - bits);
-      if (j <= 1 + axis) d[axis] -= factor_.at(1 + axis, j) >> (factor_.bits(1 + axis) - bits);
+    std::int32_t d[2] = {j <= l ? first.next() >> shifts[0] : 0, second.next() >> shifts[1]};
+    if (j <= 2) {  // the vehicle's
+      for (int axis = 0; axis < 2; ++axis) {
+        if (j <= 1 + axis) d[axis] -= factor_.at(1 + axis, j) >> shift_of(1 + axis);
+        if (kWorld && j == 0) d[axis] += static_cast<std::int32_t>(turn[axis]);
+      }
     }
-    xx += d[0] * d[0];
-    xy += d[0] * d[1];
-    yy += d[1] * d[1];
+    xx += std::int64_t{d[0]} * d[0];
+    xy += std::int64_t{d[0]} * d[1];
+    yy += std::int64_t{d[1]} * d[1];
   }
   const auto variance = [&](std::int64_t sum) {
     return FixedVariance::from_raw(
@@ -37,8 +57,8 @@ FixedCovariance2 FixedGroupSlam<MaxLandmarks, LandmarkDim>::relative_covariance(
   return out;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict_range_bearing(
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_range_bearing(
     int slot, FixedLength sensor_offset, FixedLength sigma_range, FixedAngle sigma_bearing,
     FixedRangeBearingPrediction& prediction) const {
   if (!initialised_) return Status::kNotInitialised;
@@ -67,11 +87,11 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict_range_bearing(
 }
 
 /// Fills sightings_ with the sightings of known landmarks inside their gates; the number of them.
-template <int MaxLandmarks, int LandmarkDim>
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 template <class Observation>
-int FixedGroupSlam<MaxLandmarks, LandmarkDim>::collect(Span<Observation> observations,
-                                                       FixedLength sensor_offset,
-                                                       FixedUpdateReport& report) {
+int FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::collect(Span<Observation> observations,
+                                                               FixedLength sensor_offset,
+                                                               FixedUpdateReport& report) {
   report = FixedUpdateReport{};
   refused_count_ = 0;
   admitted_score_ = 0;
@@ -102,11 +122,11 @@ int FixedGroupSlam<MaxLandmarks, LandmarkDim>::collect(Span<Observation> observa
   return count;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 template <class Observation>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update(Span<Observation> observations,
-                                                         FixedLength sensor_offset,
-                                                         FixedUpdateReport& report) {
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update(Span<Observation> observations,
+                                                                 FixedLength sensor_offset,
+                                                                 FixedUpdateReport& report) {
   if (!initialised_) return Status::kNotInitialised;
   if (observations.size < 0 || observations.size > kMaxObservations) {
     return Status::kInvalidArgument;
@@ -128,9 +148,9 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update(Span<Observation> obser
 
 /// At rest: whether the sightings agree with no motion. They are then counted, and the noise held
 /// back is dropped.
-template <int MaxLandmarks, int LandmarkDim>
-bool FixedGroupSlam<MaxLandmarks, LandmarkDim>::tells_nothing_new(int count,
-                                                                  FixedUpdateReport& report) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+bool FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::tells_nothing_new(
+    int count, FixedUpdateReport& report) {
   constexpr int kFewest = 3;        // fewer prove little
   constexpr int kRefusedShare = 4;  // nor do some of which one in four is refused
   constexpr int kBits = FixedScore::kFractionBits;
@@ -147,10 +167,10 @@ bool FixedGroupSlam<MaxLandmarks, LandmarkDim>::tells_nothing_new(int count,
 }
 
 /// Updates with sightings that are all linearised at the present mean.
-template <int MaxLandmarks, int LandmarkDim>
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 template <class Sighting>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply(const Sighting* sightings, int count,
-                                                      FixedUpdateReport& report) {
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::apply(const Sighting* sightings, int count,
+                                                              FixedUpdateReport& report) {
   if (count == 0) return;
   absorb_motion();
   for (int i = 0; i < factor_.size(); ++i) correction_[i] = 0;
@@ -171,8 +191,8 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply(const Sighting* sightings,
 
 /// Conditions the covariance on one measurement and adds its part to the correction; its normalised
 /// innovation squared, with the fraction of the report's.
-template <int MaxLandmarks, int LandmarkDim>
-std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply_row(
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+std::int64_t FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::apply_row(
     const detail::FixedSighting& sighting, int row) {
   const int l = state_of(sighting.slot);
   const int states[4] = {l, l + 1, 1, 2};
@@ -185,6 +205,21 @@ std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply_row(
   for (const int state : states) {
     bits = factor_.bits(state) < bits ? factor_.bits(state) : bits;
   }
+  // By the heading, in the world's error: h J (landmark - vehicle).
+  FixedLength by_heading;
+  if constexpr (kWorld) {
+    const auto part = [&](int axis, FixedRatio factor) {
+      return multiply<FixedLength>(relative(sighting.slot, axis), factor, saturations_);
+    };
+    const auto ratio = [&](int axis) {
+      return FixedRatio::from_raw(static_cast<std::int32_t>(h[axis]));
+    };
+    by_heading = subtract(part(1, ratio(0)), part(0, ratio(1)), saturations_);
+    const int length =
+        wide::bit_length(wide::magnitude(by_heading.raw())) - FixedLength::kFractionBits;
+    const int fits = factor_.bits(0) - length - 1;
+    bits = (fits < bits ? fits : bits) - 1;
+  }
   bits -= 2;
   const std::int64_t noise = sighting.sigma[row].raw();
   const int room =
@@ -195,16 +230,31 @@ std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply_row(
   if (sigma == 0) sigma = 1;
 
   std::int32_t* const a = scratch_;
-  for (int j = 0; j <= l + 1; ++j) {
-    std::int64_t sum = 0;
-    for (int k = 0; k < 4; ++k) {
-      if (j > states[k]) continue;
-      const std::int64_t part = h[k % 2] * factor_.at(states[k], j);
-      const std::int64_t scaled =
-          wide::round_shift(part, FixedRatio::kFractionBits + factor_.bits(states[k]) - bits);
-      sum += k < 2 ? scaled : -scaled;
-    }
-    a[j] = static_cast<std::int32_t>(sum);
+  const std::int32_t factors[2] = {static_cast<std::int32_t>(h[0]),
+                                   static_cast<std::int32_t>(h[1])};
+  const auto shift_of = [&](int state) {
+    const int shift = FixedRatio::kFractionBits + factor_.bits(state) - bits;
+    return shift < 63 ? shift : 63;
+  };
+  const auto scaled = [&](int axis, std::int32_t element, int shift) {
+    return static_cast<std::int32_t>(
+        wide::round_shift_far(std::int64_t{factors[axis]} * element, shift));
+  };
+  const int shifts[2] = {shift_of(l), shift_of(l + 1)};
+  auto first = factor_.row(l);
+  auto second = factor_.row(l + 1);
+  for (int j = 0; j <= l; ++j) {
+    a[j] = scaled(0, first.next(), shifts[0]) + scaled(1, second.next(), shifts[1]);
+  }
+  a[l + 1] = scaled(1, second.next(), shifts[1]);
+  for (int axis = 0; axis < 2; ++axis) {
+    const int shift = shift_of(1 + axis);
+    for (int j = 0; j <= 1 + axis; ++j) a[j] -= scaled(axis, factor_.at(1 + axis, j), shift);
+  }
+  if constexpr (kWorld) {
+    a[0] += static_cast<std::int32_t>(
+        wide::scale(std::int64_t{by_heading.raw()} * factor_.at(0, 0),
+                    bits - FixedLength::kFractionBits - factor_.bits(0), saturations_));
   }
 
   // The innovation at the mean corrected so far.
@@ -214,18 +264,23 @@ std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply_row(
     const std::int64_t part = h[k % 2] * correction_[states[k]];
     innovation += k < 2 ? -part : part;
   }
-  return take_in(l + 1, bits, sigma, wide::round_shift(innovation, FixedRatio::kFractionBits),
-                 FixedOffset::kFractionBits);
+  innovation = wide::round_shift(innovation, FixedRatio::kFractionBits);
+  if (kWorld) {
+    innovation -= wide::round_shift(
+        std::int64_t{by_heading.raw()} * correction_[0],
+        FixedLength::kFractionBits + FixedAngle::kFractionBits - FixedOffset::kFractionBits);
+  }
+  return take_in(l + 1, bits, sigma, innovation, FixedOffset::kFractionBits);
 }
 
 /// Conditions the covariance on the row in scratch_, zero beyond `last`, with `bits` of fraction as
 /// `sigma`, and adds its part to the correction; `innovation` has `fraction` bits of it. Its
 /// normalised innovation squared, with the fraction of the report's.
-template <int MaxLandmarks, int LandmarkDim>
-std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::take_in(int last, int bits,
-                                                                std::int32_t sigma,
-                                                                std::int64_t innovation,
-                                                                int fraction) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+std::int64_t FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::take_in(int last, int bits,
+                                                                        std::int32_t sigma,
+                                                                        std::int64_t innovation,
+                                                                        int fraction) {
   constexpr int kScoreBits = 20;
   std::int32_t* const gain = scratch_ + kStates;
   factor_.condition(scratch_, last, sigma, gain);
@@ -240,16 +295,30 @@ std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::take_in(int last, int bi
   for (int i = 0; i < n; ++i) {
     const bool angle = i == 0 || (i >= kTiltState && i < vehicle);
     const int own = angle ? FixedAngle::kFractionBits : FixedOffset::kFractionBits;
-    const std::int64_t part =
-        wide::scale(std::int64_t{gain[i]} * y, own - factor_.bits(i) - kScoreBits, saturations_);
+    // A row's scale has 20 bits or more: 12 to go at least.
+    const int down = factor_.bits(i) + kScoreBits - own;
+    const std::int64_t part = wide::round_shift_far(std::int64_t{gain[i]} * y, down);
     correction_[i] = wide::narrow(correction_[i] + part, saturations_);
   }
   return wide::round_shift(std::int64_t{y} * y, 2 * kScoreBits - FixedCoordinate::kFractionBits);
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::correct() {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::correct() {
   const auto by = [&](int i) { return FixedOffset::from_raw(correction_[i]); };
+  if constexpr (kWorld) {
+    const std::int64_t pi = kFixedPi.raw();
+    const std::int64_t turn = correction_[0];
+    heading_ = wrapped_angle(heading_.raw() + (turn > pi ? pi : (turn < -pi ? -pi : turn)));
+    const auto move = [&](FixedCoordinate& coordinate, int i) {
+      coordinate = add(coordinate, convert<FixedCoordinate>(by(i), saturations_), saturations_);
+    };
+    for (int axis = 0; axis < 2; ++axis) {
+      move(x_[axis], 1 + axis);
+      for (int slot = 0; slot < slots_.size(); ++slot) move(p_[slot][axis], state_of(slot) + axis);
+    }
+    return;
+  }
   const detail::FixedExponential exponential(FixedAngle::from_raw(correction_[0]), saturations_);
   heading_ = wrapped_angle(std::int64_t{heading_.raw()} + exponential.angle().raw());
   exponential.move(x_[0], x_[1], by(1), by(2), saturations_);
@@ -266,55 +335,6 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::correct() {
       return wrapped_angle(std::int64_t{angle.raw()} + correction_[state]);
     };
     tilt_ = {turned(tilt_.pitch, kTiltState), turned(tilt_.roll, kTiltState + 1)};
-  }
-}
-
-/// Book-keeping after an update: which landmarks were refused, and whether the gate has locked the
-/// filter out.
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::finish_update(int used, FixedUpdateReport& report) {
-  if (report.matches == 0) return;
-  ++updates_;
-  for (int k = 0; k < used; ++k) {
-    LandmarkStatistics& s = slots_.statistics(used_[k]);
-    ++s.measured;
-    s.rejected_in_row = 0;
-    s.last_measured = updates_;
-  }
-  int again = 0;
-  for (int k = 0; k < refused_count_; ++k) {
-    LandmarkStatistics& s = slots_.statistics(refused_[k]);
-    ++s.rejected;
-    if (++s.rejected_in_row > 1) ++again;
-  }
-  health_.innovations_used += static_cast<std::uint32_t>(used);
-  if (parameters_.reacquire_after == 0) return;
-  reacquisition_.note(used, again, parameters_.reacquire_after, parameters_.reacquire_steps);
-  if (!reacquisition_.accepted()) return;
-  const auto after = static_cast<std::uint32_t>(parameters_.reacquire_landmark_after);
-  for (int k = 0; k < refused_count_; ++k) {
-    const std::uint32_t in_row = slots_.statistics(refused_[k]).rejected_in_row;
-    if (in_row < after) continue;
-    const std::uint32_t step = in_row - after;
-    if (step > static_cast<std::uint32_t>(parameters_.reacquire_steps)) continue;
-    widen_landmark(refused_[k], static_cast<int>(step));
-    ++health_.reacquisitions;
-  }
-}
-
-/// Adds position noise of the parameters' standard deviation, doubled `doublings` times.
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::widen_landmark(int slot, int doublings) {
-  const std::int64_t sigma = parameters_.reacquire_landmark.raw();
-  const int fraction = FixedLength::kFractionBits - doublings;
-  const int length = wide::bit_length(static_cast<std::uint64_t>(sigma)) - fraction;
-  const int n = factor_.size();
-  for (int axis = 0; axis < LandmarkDim; ++axis) {
-    const int row = state_of(slot) + axis;
-    if (!factor_.make_room(row, 2 * length, saturations_)) continue;
-    for (int i = 0; i < n; ++i) scratch_[i] = 0;
-    scratch_[row] = factor_.to_row(row, sigma, fraction);
-    factor_.absorb(scratch_, row);
   }
 }
 

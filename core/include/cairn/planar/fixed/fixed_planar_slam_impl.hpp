@@ -1,13 +1,13 @@
 #pragma once
 
-#include "cairn/planar/fixed/fixed_group_slam.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam.hpp"
 
-// FixedGroupSlam: start, prediction, map.
+// FixedPlanarSlam: start, prediction, map.
 
 namespace cairn {
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::initialise(
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::initialise(
     const FixedPose& pose, const FixedPoseCovariance& covariance,
     const FixedPlanarParameters& parameters) {
   const FixedCovariance2& c = covariance.position;
@@ -40,13 +40,19 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::initialise(
   tilt_ = FixedTilt();
   if (tilts()) start_tilt();
   motion_.clear();
-  shared_ = covariance;
+  shared_ = FixedPoseCovariance();
+  for (auto& coordinate : moved_) coordinate = FixedCoordinate();
+  if (kWorld) {
+    motion_.start(covariance);
+  } else {
+    shared_ = covariance;
+  }
   initialised_ = true;
   return Status::kOk;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict(const FixedIncrement& increment) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict(const FixedIncrement& increment) {
   if (!initialised_) return Status::kNotInitialised;
   const Status status = detail::validate(increment);
   if (!ok(status)) return status;
@@ -69,20 +75,24 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict(const FixedIncrement& 
   return Status::kOk;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::propagate(const FixedIncrement& increment) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::propagate(const FixedIncrement& increment) {
   const detail::FixedStep step = detail::fixed_step(increment, heading_, saturations_);
   motion_.move(increment, step, saturations_);
   x_[0] = add(x_[0], step.x, saturations_);
   x_[1] = add(x_[1], step.y, saturations_);
+  if (kWorld) {
+    moved_[0] = add(moved_[0], step.x, saturations_);
+    moved_[1] = add(moved_[1], step.y, saturations_);
+  }
   // Beyond the reach of a lever arm: counted here, where it is left.
   for (const FixedCoordinate x : x_) (void)convert<FixedLength>(x, saturations_);
   heading_ = wrapped_angle(std::int64_t{heading_.raw()} + increment.turn.raw());
 }
 
 /// The vehicle may have moved, or there is something to learn without motion.
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::end_rest() {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::end_rest() {
   if (!rest_.resting()) return;
   const FixedIncrement held = rest_.held();
   const bool noise = rest_.holds_noise();
@@ -92,9 +102,9 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::end_rest() {
   if (held_s.raw() > 0) (void)predict_tilt(held_s);
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::widen_pose(FixedVariance position,
-                                                             FixedVariance heading) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::widen_pose(FixedVariance position,
+                                                                     FixedVariance heading) {
   if (!initialised_) return Status::kNotInitialised;
   if (position.raw() < 0 || heading.raw() < 0) return Status::kInvalidArgument;
   end_rest();
@@ -102,15 +112,37 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::widen_pose(FixedVariance posit
   return Status::kOk;
 }
 
-/// Adds the noise of the odometry to the factor: -J p (heading) on every point p, and the rest on
-/// the vehicle's position.
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::absorb_motion() {
+/// The world's error: that of the position turns with the heading's over the way since the last
+/// time.
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::turn_with_heading() {
+  if (moved_[0].raw() == 0 && moved_[1].raw() == 0) return;
+  constexpr int kGrowth = 2;  // the two parts of an element may add up
+  const std::int64_t heading = factor_.at(0, 0);
+  const int bits = factor_.bits(0) + FixedLength::kFractionBits;
+  const FixedLength by[2] = {-convert<FixedLength>(moved_[1], saturations_),
+                             convert<FixedLength>(moved_[0], saturations_)};
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::int64_t part = heading * by[axis].raw();
+    const int length = wide::bit_length(wide::magnitude(part));
+    if (factor_.make_room(1 + axis, 2 * (length - bits), saturations_, kGrowth)) {
+      factor_.add(1 + axis, 0, part, bits, saturations_);
+    }
+    moved_[axis] = FixedCoordinate();
+  }
+}
+
+/// Adds the noise of the odometry to the factor: -J p (heading) on every point p of the group's
+/// error, and the rest on the vehicle's position.
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::absorb_motion() {
+  if (kWorld) turn_with_heading();
   if (motion_.empty()) return;
   using Columns = typename detail::FixedMotionNoise::Columns;
   const Columns c = motion_.columns(saturations_);
   motion_.clear();
   const auto turned = [&](FixedLength by) {  // heading x coordinate, Columns::kBits
+    if (kWorld) return std::int64_t{0};
     const std::int64_t product = std::int64_t{c.heading.mantissa} * by.raw();
     return wide::scale(product, Columns::kBits - c.heading.bits - FixedLength::kFractionBits,
                        saturations_);
@@ -149,8 +181,8 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::absorb_motion() {
 }
 
 /// The error that pose and landmarks have in common by now: no sighting depends on it.
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::share_pose_error() {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::share_pose_error() {
   shared_ = error_covariance(saturations_);
   const FixedCovariance2 tilt = tilt_covariance();
   factor_.clear();
@@ -159,8 +191,9 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::share_pose_error() {
   motion_.clear();
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::make_room(LandmarkId id, LandmarkId* replaced) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::make_room(LandmarkId id,
+                                                                    LandmarkId* replaced) {
   if (id == kNoLandmark) return Status::kInvalidArgument;
   if (find(id) >= 0) return Status::kDuplicate;
   if (replaced != nullptr) *replaced = kNoLandmark;
@@ -179,8 +212,8 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::make_room(LandmarkId id, Landm
   return Status::kOk;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::remove_states(int slot) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::remove_states(int slot) {
   const std::int16_t place = order_[slot];
   factor_.template remove_rows<LandmarkDim>(state_of(slot), scratch_);
   const int last = slots_.size() - 1;
@@ -192,8 +225,8 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::remove_states(int slot) {
   slots_.remove_unordered(slot);
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::remove_landmark(int slot) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::remove_landmark(int slot) {
   if (!initialised_) return Status::kNotInitialised;
   if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
   remove_states(slot);
@@ -201,11 +234,10 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::remove_landmark(int slot) {
   return Status::kOk;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::add_landmark(LandmarkId id, FixedLength x,
-                                                               FixedLength y,
-                                                               const FixedCovariance2& noise,
-                                                               LandmarkId* replaced) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_landmark(
+    LandmarkId id, FixedLength x, FixedLength y, const FixedCovariance2& noise,
+    LandmarkId* replaced) {
   if (!initialised_) return Status::kNotInitialised;
   if (LandmarkDim != 2) return Status::kInvalidArgument;
   FixedPointObservation seen;
@@ -217,7 +249,7 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::add_landmark(LandmarkId id, Fi
   const Status status = make_room(id, replaced);
   if (!ok(status)) return status;
   end_rest();
-  if (slots_.size() == 0) {
+  if (slots_.size() == 0 && !kWorld) {
     share_pose_error();
   } else {
     absorb_motion();
@@ -255,15 +287,24 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::add_landmark(LandmarkId id, Fi
 
 /// Appends a state with the error of state `from` and noise of its own on the last two columns of
 /// the landmark's.
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::append_row(int from, std::int64_t first,
-                                                           std::int64_t second, int fraction) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::append_row(int from, std::int64_t first,
+                                                                   std::int64_t second,
+                                                                   int fraction) {
   constexpr int kBits = 40;
   const int own = state_of(slots_.size());
   const auto element = [&](int column) {
     std::uint32_t none = 0;
     if (column <= from) {
-      return wide::scale(factor_.at(from, column), kBits - factor_.bits(from), none);
+      std::int64_t sum = wide::scale(factor_.at(from, column), kBits - factor_.bits(from), none);
+      if (kWorld && column == 0) {  // J (landmark - vehicle) by the heading
+        const int slot = slots_.size();
+        const FixedLength by = from == 1 ? -relative(slot, 1) : relative(slot, 0);
+        const std::int64_t part = std::int64_t{by.raw()} * factor_.at(0, 0);
+        const int shift = kBits - FixedLength::kFractionBits - factor_.bits(0);
+        sum = wide::add(sum, wide::scale(part, shift, none), none);
+      }
+      return sum;
     }
     if (column < own) return std::int64_t{0};
     return wide::scale(column == own ? first : second, kBits - fraction, none);

@@ -1,33 +1,33 @@
 #pragma once
 
-#include "cairn/planar/fixed/fixed_group_slam.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam.hpp"
 
-// FixedGroupSlam: what a camera sees, and heights.
+// FixedPlanarSlam: what a camera sees, and heights.
 
 namespace cairn {
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::check_camera(const FixedCamera& camera,
-                                                               const FixedMount& T_vehicle_camera,
-                                                               FixedPixel sigma_px) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::check_camera(
+    const FixedCamera& camera, const FixedMount& T_vehicle_camera, FixedPixel sigma_px) const {
   if (!initialised_) return Status::kNotInitialised;
   if (sigma_px.raw() <= 0) return Status::kInvalidArgument;
   const Status status = T_vehicle_camera.check();
   return ok(status) ? camera.check_numbers() : status;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-typename FixedGroupSlam<MaxLandmarks, LandmarkDim>::PixelView
-FixedGroupSlam<MaxLandmarks, LandmarkDim>::camera_view(const FixedCamera& camera,
-                                                       const FixedMount& T_vehicle_camera) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+typename FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::PixelView
+FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::camera_view(const FixedCamera& camera,
+                                                               const FixedMount& T_vehicle_camera) {
   const detail::FixedAxes axes(heading_);
   return PixelView(camera, T_vehicle_camera, axes.cosine, axes.sine, tilts() ? &tilt_ : nullptr,
                    saturations_);
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-typename FixedGroupSlam<MaxLandmarks, LandmarkDim>::StateRow
-FixedGroupSlam<MaxLandmarks, LandmarkDim>::row_of(const PixelSighting& sighting, int row) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+typename FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::StateRow
+FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::row_of(const PixelSighting& sighting,
+                                                          int row) const {
   StateRow out;
   const int l = state_of(sighting.slot);
   for (int i = 0; i < 3; ++i) {
@@ -45,10 +45,10 @@ FixedGroupSlam<MaxLandmarks, LandmarkDim>::row_of(const PixelSighting& sighting,
 
 /// The row's elements on the columns of the factor up to `last`, all below 2^30 at the scale that
 /// is returned, which is at most `most_bits`.
-template <int MaxLandmarks, int LandmarkDim>
-int FixedGroupSlam<MaxLandmarks, LandmarkDim>::row_on_factor(const StateRow& row, int last,
-                                                             int most_bits,
-                                                             std::int32_t* out) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+int FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::row_on_factor(const StateRow& row, int last,
+                                                                     int most_bits,
+                                                                     std::int32_t* out) const {
   constexpr int kTermsBits = 4;  // seven terms, and room for the noise
   int bits = most_bits;
   for (int k = 0; k < row.count; ++k) {
@@ -69,10 +69,11 @@ int FixedGroupSlam<MaxLandmarks, LandmarkDim>::row_on_factor(const StateRow& row
 }
 
 /// The sighting of a landmark, its innovation minus the expected pixel. Whether it has one.
-template <int MaxLandmarks, int LandmarkDim>
-bool FixedGroupSlam<MaxLandmarks, LandmarkDim>::sight(const PixelView& view, int slot,
-                                                      FixedPixel sigma_px, PixelSighting& out,
-                                                      detail::FixedPixelRows& rows) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+bool FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::sight(const PixelView& view, int slot,
+                                                              FixedPixel sigma_px,
+                                                              PixelSighting& out,
+                                                              detail::FixedPixelRows& rows) {
   constexpr int kBits = 44;
   const FixedLength r[3] = {relative(slot, 0), relative(slot, 1),
                             convert<FixedLength>(landmark_height(slot), saturations_)};
@@ -107,8 +108,8 @@ bool FixedGroupSlam<MaxLandmarks, LandmarkDim>::sight(const PixelView& view, int
 }
 
 /// Covariance of the two rows without their noise, m^2.
-template <int MaxLandmarks, int LandmarkDim>
-FixedCovariance2 FixedGroupSlam<MaxLandmarks, LandmarkDim>::innovation_of(
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedCovariance2 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::innovation_of(
     const PixelSighting& sighting, std::uint32_t& saturations) {
   const int last = state_of(sighting.slot) + 2;
   std::int32_t* const a[2] = {scratch_, scratch_ + kStates};
@@ -130,11 +131,12 @@ FixedCovariance2 FixedGroupSlam<MaxLandmarks, LandmarkDim>::innovation_of(
 }
 
 /// Fills pixels_ with the matches of known landmarks inside their gates; the number of them.
-template <int MaxLandmarks, int LandmarkDim>
-int FixedGroupSlam<MaxLandmarks, LandmarkDim>::collect_pixels(const PixelView& view,
-                                                              FixedPixel sigma_px,
-                                                              FixedPixelMatch* matches, int count,
-                                                              FixedUpdateReport& report) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+int FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::collect_pixels(const PixelView& view,
+                                                                      FixedPixel sigma_px,
+                                                                      FixedPixelMatch* matches,
+                                                                      int count,
+                                                                      FixedUpdateReport& report) {
   report = FixedUpdateReport{};
   refused_count_ = 0;
   admitted_score_ = 0;
@@ -174,12 +176,10 @@ int FixedGroupSlam<MaxLandmarks, LandmarkDim>::collect_pixels(const PixelView& v
   return used;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update_pixels(const FixedCamera& camera,
-                                                                const FixedMount& T_vehicle_camera,
-                                                                FixedPixel sigma_px,
-                                                                FixedPixelMatch* matches, int count,
-                                                                FixedUpdateReport& report) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update_pixels(
+    const FixedCamera& camera, const FixedMount& T_vehicle_camera, FixedPixel sigma_px,
+    FixedPixelMatch* matches, int count, FixedUpdateReport& report) {
   if constexpr (LandmarkDim != 3) {
     static_cast<void>(camera), static_cast<void>(T_vehicle_camera), static_cast<void>(sigma_px);
     static_cast<void>(matches), static_cast<void>(count), static_cast<void>(report);
@@ -210,11 +210,10 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update_pixels(const FixedCamer
   }
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict_pixel(int slot, const FixedCamera& camera,
-                                                                const FixedMount& T_vehicle_camera,
-                                                                FixedPixel sigma_px,
-                                                                FixedPixelPrediction& prediction) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_pixel(
+    int slot, const FixedCamera& camera, const FixedMount& T_vehicle_camera, FixedPixel sigma_px,
+    FixedPixelPrediction& prediction) {
   if constexpr (LandmarkDim != 3) {
     static_cast<void>(slot), static_cast<void>(camera), static_cast<void>(T_vehicle_camera);
     static_cast<void>(sigma_px), static_cast<void>(prediction);
@@ -253,10 +252,11 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict_pixel(int slot, const 
   }
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update_height(LandmarkId id, FixedLength height,
-                                                                FixedLength sigma,
-                                                                FixedScore gate) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update_height(LandmarkId id,
+                                                                        FixedLength height,
+                                                                        FixedLength sigma,
+                                                                        FixedScore gate) {
   if constexpr (LandmarkDim != 3) {
     static_cast<void>(id), static_cast<void>(height), static_cast<void>(sigma);
     static_cast<void>(gate);
@@ -297,9 +297,9 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::update_height(LandmarkId id, F
   }
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-std::int64_t FixedGroupSlam<MaxLandmarks, LandmarkDim>::apply_row(const PixelSighting& sighting,
-                                                                  int row) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+std::int64_t FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::apply_row(
+    const PixelSighting& sighting, int row) {
   const int last = state_of(sighting.slot) + LandmarkDim - 1;
   const int room = 29 - wide::bit_length(wide::magnitude(sighting.sigma[row])) + detail::kPixelBits;
   const StateRow h = row_of(sighting, row);

@@ -1,42 +1,43 @@
 #pragma once
 
 #include "cairn/planar/fixed/covariance3.hpp"
-#include "cairn/planar/fixed/fixed_group_slam.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam.hpp"
 
-// FixedGroupSlam: landmarks with height, and the tilt of the vehicle's body.
+// FixedPlanarSlam: landmarks with height, and the tilt of the vehicle's body.
 
 namespace cairn {
 
-template <int MaxLandmarks, int LandmarkDim>
-FixedCoordinate FixedGroupSlam<MaxLandmarks, LandmarkDim>::landmark_height(int slot) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedCoordinate FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::landmark_height(int slot) const {
   if constexpr (LandmarkDim == 3) return p_[slot][2];
   static_cast<void>(slot);
   return {};
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-FixedVariance FixedGroupSlam<MaxLandmarks, LandmarkDim>::landmark_height_variance(int slot) const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedVariance FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::landmark_height_variance(
+    int slot) const {
   if (LandmarkDim == 2) return {};
   return factor_covariance(state_of(slot) + 2, state_of(slot) + 2);
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-FixedCovariance2 FixedGroupSlam<MaxLandmarks, LandmarkDim>::tilt_covariance() const {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedCovariance2 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::tilt_covariance() const {
   if (!tilts()) return {};
   return {factor_covariance(kTiltState, kTiltState), factor_covariance(kTiltState + 1, kTiltState),
           factor_covariance(kTiltState + 1, kTiltState + 1)};
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::start_tilt() {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::start_tilt() {
   const FixedTiltParameters& p = parameters_.tilt;
   keep_tilt({multiply<FixedVariance>(p.sigma_pitch, p.sigma_pitch, saturations_), FixedVariance(),
              multiply<FixedVariance>(p.sigma_roll, p.sigma_roll, saturations_)});
 }
 
 /// Appends the tilt's states with this covariance to the pose's.
-template <int MaxLandmarks, int LandmarkDim>
-void FixedGroupSlam<MaxLandmarks, LandmarkDim>::keep_tilt(const FixedCovariance2& tilt) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::keep_tilt(const FixedCovariance2& tilt) {
   // A third state of variance 1 beside it, for the sake of the function.
   const FixedCovariance3 three = {tilt.xx, tilt.xy, tilt.yy, {}, {}, FixedVariance::nearest(1.0)};
   detail::FixedCholesky3 factor;
@@ -49,8 +50,8 @@ void FixedGroupSlam<MaxLandmarks, LandmarkDim>::keep_tilt(const FixedCovariance2
   }
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict_tilt(FixedOffset dt_s) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_tilt(FixedOffset dt_s) {
   constexpr int kBits = 44;
   constexpr int kNoiseBits = 40;
   if (!initialised_) return Status::kNotInitialised;
@@ -83,11 +84,9 @@ Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::predict_tilt(FixedOffset dt_s)
   return Status::kOk;
 }
 
-template <int MaxLandmarks, int LandmarkDim>
-Status FixedGroupSlam<MaxLandmarks, LandmarkDim>::add_landmark(LandmarkId id,
-                                                               const FixedLength (&y)[3],
-                                                               const FixedCovariance3& noise,
-                                                               LandmarkId* replaced) {
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_landmark(
+    LandmarkId id, const FixedLength (&y)[3], const FixedCovariance3& noise, LandmarkId* replaced) {
   if constexpr (LandmarkDim == 2) {
     static_cast<void>(id), static_cast<void>(y), static_cast<void>(noise);
     static_cast<void>(replaced);

@@ -1,0 +1,268 @@
+#pragma once
+
+#include "cairn/base/fixed_vector.hpp"
+#include "cairn/base/hash.hpp"
+#include "cairn/base/health.hpp"
+#include "cairn/planar/detail/landmark_slots.hpp"
+#include "cairn/planar/detail/reacquisition.hpp"
+#include "cairn/planar/fixed/camera.hpp"
+#include "cairn/planar/fixed/motion.hpp"
+#include "cairn/planar/fixed/rest.hpp"
+#include "cairn/planar/fixed/row_scaled_factor.hpp"
+#include "cairn/planar/fixed/sighting.hpp"
+
+namespace cairn {
+
+/// Error of FixedPlanarSlam's states: GroupErrorModel's or WorldErrorModel's.
+enum class FixedError : std::uint8_t { kGroup, kWorld };
+
+/// PlanarSlam for cores without a floating-point unit: integers alone, of 32 and 64 bits. Use it as
+/// FixedGroupSlam or, to compare with, FixedEkfSlam. The same error model, updates, gate,
+/// re-acquisition and rest; the covariance is kept as a triangular factor with one scale for each
+/// state (RowScaledFactor), so it is positive semi-definite whatever is rounded. Why in this form,
+/// and what map, room and drive it holds: docs/explanation/fixed-point.md. LandmarkDim 2: points on
+/// the plane; 3: with height, for the camera, and with the tilt of the vehicle's body where the
+/// parameters have one.
+///
+/// Frames, slots and errors: as PlanarSlam. Every input is defined; what does not fit its format
+/// saturates, and saturations() counts it. Two instances are independent, all storage is inside.
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+class FixedPlanarSlam {
+  static_assert(LandmarkDim == 2 || (LandmarkDim == 3 && Error == FixedError::kGroup));
+
+ public:
+  static constexpr int kMaxLandmarks = MaxLandmarks;
+  static constexpr int kLandmarkDim = LandmarkDim;
+  static constexpr int kTiltState = 3;  ///< pitch, then roll, where the body tilts
+  static constexpr int kStates = (LandmarkDim == 3 ? 5 : 3) + LandmarkDim * MaxLandmarks;
+  /// Most observations in one update.
+  static constexpr int kMaxObservations = kMaxLandmarks < 24 ? 48 : 2 * kMaxLandmarks;
+
+  /// Starts an empty map at `pose` with `covariance`. Errors: kInvalidArgument (not positive
+  /// semi-definite), kBadConfig.
+  Status initialise(const FixedPose& pose, const FixedPoseCovariance& covariance,
+                    const FixedPlanarParameters& parameters = FixedPlanarParameters{});
+
+  /// As PlanarSlam::predict(). Errors: kNotInitialised; kInvalidArgument (|turn| > pi, covariance
+  /// not positive semi-definite). Cost: O(1).
+  Status predict(const FixedIncrement& increment);
+
+  /// As PlanarSlam::predict_tilt(). Errors: kNotInitialised; kInvalidArgument (negative).
+  Status predict_tilt(FixedOffset dt_s);
+
+  /// As PlanarSlam::update_points(). Errors: kNotInitialised; kInvalidArgument (too many, noise not
+  /// positive definite): nothing is used then. Cost: with n states and m landmarks used at most (2
+  /// m + 3) n^2 turned elements.
+  Status update_points(Span<FixedPointObservation> observations, FixedUpdateReport& report) {
+    return update(observations, FixedLength{}, report);
+  }
+  /// As PlanarSlam::update_range_bearing(). Errors and cost: as update_points().
+  Status update_range_bearing(Span<FixedRangeBearingObservation> observations,
+                              FixedLength sensor_offset, FixedUpdateReport& report) {
+    return update(observations, sensor_offset, report);
+  }
+
+  /// As PlanarSlam::predict_range_bearing(). Cost: O(n).
+  Status predict_range_bearing(int slot, FixedLength sensor_offset, FixedLength sigma_range,
+                               FixedAngle sigma_bearing,
+                               FixedRangeBearingPrediction& prediction) const;
+
+  /// Where `slot` is expected in the image of a camera on the vehicle, as
+  /// PlanarSlam::predict_pixel(): the window to search in. Landmarks with height only. Takes in the
+  /// odometry's noise before. Errors: kNotInitialised, kNotFound, kInvalidArgument (sigma,
+  /// mounting), kBadConfig (camera), kOutOfView; `prediction` untouched. Cost: O(n), and as one
+  /// landmark's update after odometry.
+  Status predict_pixel(int slot, const FixedCamera& camera, const FixedMount& T_vehicle_camera,
+                       FixedPixel sigma_px, FixedPixelPrediction& prediction);
+
+  /// Updates with landmarks found in the image that lie inside their gates, all linearised at one
+  /// mean, and marks those used. Landmarks with height only. Errors: kNotInitialised,
+  /// kInvalidArgument (too many, sigma, mounting), kBadConfig (camera): nothing is used then. Cost:
+  /// as update_points().
+  Status update_pixels(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
+                       FixedPixel sigma_px, FixedPixelMatch* matches, int count,
+                       FixedUpdateReport& report);
+
+  /// As PlanarSlam::update_height(). Errors: kNotInitialised, kNotFound, kInvalidArgument (sigma,
+  /// gate); kGated. Cost: as one pixel.
+  Status update_height(LandmarkId id, FixedLength height, FixedLength sigma, FixedScore gate);
+
+  /// Adds a landmark seen at (x, y) in the vehicle frame with `noise`. Errors and `replaced`: as
+  /// PlanarSlam::add_landmark(). Cost: as one landmark's update.
+  Status add_landmark(LandmarkId id, FixedLength x, FixedLength y, const FixedCovariance2& noise,
+                      LandmarkId* replaced = nullptr);
+  /// Adds a landmark with height, seen at `y` in the vehicle's axes (z: above the ground), tilted
+  /// with it. Errors: as add_landmark().
+  Status add_landmark(LandmarkId id, const FixedLength (&y)[3], const FixedCovariance3& noise,
+                      LandmarkId* replaced = nullptr);
+  /// Errors: kNotInitialised, kNotFound. Cost: as one landmark's update.
+  Status remove_landmark(int slot);
+  /// Adds noise to the pose. Errors: kNotInitialised, kInvalidArgument (negative).
+  Status widen_pose(FixedVariance position, FixedVariance heading);
+
+  bool initialised() const { return initialised_; }
+  int landmark_count() const { return slots_.size(); }
+  int state_size() const { return factor_.size(); }
+  LandmarkId landmark_id(int slot) const { return slots_.id(slot); }
+  /// Slot of a landmark, -1 where there is none.
+  int find(LandmarkId id) const { return slots_.find(id); }
+
+  /// Mean, the point of linearisation.
+  FixedPose mean_pose() const;
+  FixedLandmark mean_landmark(int slot) const;  ///< its covariance is zero
+  /// Exact moments of the Gaussian error, as GroupIekfSlam's; EkfSlam's are the mean's. Cost: O(1);
+  /// O(n) for a landmark.
+  void pose(FixedPose& mean, FixedPoseCovariance& covariance) const;
+  FixedLandmark landmark(int slot) const;
+
+  /// Height of a landmark and its variance; 0 of points on the plane.
+  FixedCoordinate landmark_height(int slot) const;
+  FixedVariance landmark_height_variance(int slot) const;
+  /// Whether the tilt is part of the state, its mean, and its covariance.
+  bool tilts() const { return LandmarkDim == 3 && parameters_.tilt.tilts(); }
+  FixedTilt tilt() const { return tilt_; }
+  FixedCovariance2 tilt_covariance() const;
+  /// Covariance of two elements of the error without the odometry that no update has taken in yet:
+  /// heading, xi_x, xi_y, pitch and roll where the body tilts, landmarks. Cost: O(n).
+  FixedVariance factor_covariance(int i, int j) const {
+    std::uint32_t none = 0;
+    return FixedVariance::from_raw(factor_.covariance(i, j, none));
+  }
+  /// First state of a landmark.
+  int state_of(int slot) const { return vehicle_states() + LandmarkDim * order_[slot]; }
+
+  const Health& health() const { return health_; }
+  /// Results that did not fit their format, divisions by zero among them, since initialise().
+  std::uint32_t saturations() const { return saturations_; }
+  /// Of every value that a result depends on.
+  void hash(Hash64& hash) const;
+
+ private:
+  static constexpr bool kWorld = Error == FixedError::kWorld;
+  static constexpr int kPoseStates = 3;  // heading, x, y; then the tilt, then the landmarks
+  using PixelView = detail::FixedCameraView;
+
+  /// One row of a pixel or height: what it makes of the states.
+  struct StateRow {
+    int state[7];
+    std::int64_t coefficient[7];
+    int bits[7];  ///< fraction of the coefficient
+    int count = 0;
+
+    void add(int of, std::int64_t factor, int fraction) {
+      state[count] = of;
+      coefficient[count] = factor;
+      bits[count++] = fraction;
+    }
+  };
+  /// Up to two rows of one landmark, in metres.
+  struct PixelSighting {
+    int slot = -1;
+    int source = -1;
+    int rows = 2;
+    FixedTangent h[2][3];
+    FixedLength tilt[2][2];
+    std::int64_t innovation[2];  ///< detail::kPixelBits
+    std::int64_t sigma[2];
+  };
+
+  template <class Observation>
+  Status update(Span<Observation> observations, FixedLength sensor_offset,
+                FixedUpdateReport& report);
+  template <class Observation>
+  int collect(Span<Observation> observations, FixedLength sensor_offset, FixedUpdateReport& report);
+  bool tells_nothing_new(int count, FixedUpdateReport& report);
+  template <class Sighting>
+  void apply(const Sighting* sightings, int count, FixedUpdateReport& report);
+  std::int64_t apply_row(const detail::FixedSighting& sighting, int row);
+  std::int64_t apply_row(const PixelSighting& sighting, int row);
+  std::int64_t take_in(int last, int bits, std::int32_t sigma, std::int64_t innovation,
+                       int fraction);
+  void correct();
+  void finish_update(int used, FixedUpdateReport& report);
+  Status check_camera(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
+                      FixedPixel sigma_px) const;
+  PixelView camera_view(const FixedCamera& camera, const FixedMount& T_vehicle_camera);
+  StateRow row_of(const PixelSighting& sighting, int row) const;
+  int row_on_factor(const StateRow& row, int last, int most_bits, std::int32_t* out) const;
+  bool sight(const PixelView& view, int slot, FixedPixel sigma_px, PixelSighting& out,
+             detail::FixedPixelRows& rows);
+  FixedCovariance2 innovation_of(const PixelSighting& sighting, std::uint32_t& saturations);
+  int collect_pixels(const PixelView& view, FixedPixel sigma_px, FixedPixelMatch* matches,
+                     int count, FixedUpdateReport& report);
+  void start_tilt();
+  void keep_tilt(const FixedCovariance2& tilt);
+  void widen_landmark(int slot, int doublings);
+  void end_rest();
+  void propagate(const FixedIncrement& increment);
+  void turn_with_heading();
+  void absorb_motion();
+  void share_pose_error();
+  Status make_room(LandmarkId id, LandmarkId* replaced);
+  void remove_states(int slot);
+  void append_row(int from, std::int64_t first, std::int64_t second, int fraction);
+
+  int vehicle_states() const { return kPoseStates + (tilts() ? 2 : 0); }
+  FixedLength vehicle(int axis) const { return local(x_[axis]); }
+  FixedLength landmark_local(int slot, int axis) const { return local(p_[slot][axis]); }
+  static FixedLength local(FixedCoordinate coordinate) {
+    std::uint32_t none = 0;
+    return convert<FixedLength>(coordinate, none);
+  }
+  FixedLength relative(int slot, int axis) const {
+    std::uint32_t none = 0;
+    return convert<FixedLength>(subtract(p_[slot][axis], x_[axis], none), none);
+  }
+  /// By which an error of the heading turns what a sighting measures, in the world's error: from
+  /// where the vehicle was when the factor took its motion in last.
+  FixedLength lever(int slot, int axis) const {
+    std::uint32_t none = 0;
+    const FixedCoordinate from = subtract(x_[axis], moved_[axis], none);
+    return convert<FixedLength>(subtract(p_[slot][axis], from, none), none);
+  }
+  FixedCovariance2 relative_covariance(int slot, std::uint32_t& saturations) const;
+  FixedPoseCovariance error_covariance(std::uint32_t& saturations) const;
+
+  FixedPlanarParameters parameters_;
+  Health health_;
+  std::uint32_t saturations_ = 0;
+  bool initialised_ = false;
+  std::uint32_t updates_ = 0;
+  detail::LandmarkSlots<MaxLandmarks> slots_;
+  detail::Reacquisition reacquisition_;
+  detail::FixedRest rest_;
+
+  // The mean, m from the anchor, and the order of the landmarks' states.
+  FixedAngle heading_;
+  FixedCoordinate x_[2];
+  FixedCoordinate anchor_[2];
+  FixedCoordinate p_[MaxLandmarks][LandmarkDim];
+  FixedTilt tilt_;
+  std::int16_t order_[MaxLandmarks] = {};
+
+  // Its error: what the factor holds, what odometry added since, and what the pose was unsure by
+  // when the first landmark came.
+  RowScaledFactor<kStates> factor_;
+  detail::FixedMotionNoise motion_;
+  FixedPoseCovariance shared_;
+  FixedCoordinate moved_[2];  ///< since then, of the world's error
+
+  // Of one update.
+  detail::FixedSighting sightings_[kMaxObservations];
+  PixelSighting pixels_[LandmarkDim == 3 ? kMaxObservations : 1];
+  std::int16_t used_[kMaxObservations] = {};
+  std::int16_t refused_[kMaxObservations] = {};
+  int refused_count_ = 0;
+  std::int64_t admitted_score_ = 0;
+  std::int32_t correction_[kStates] = {};
+  std::int32_t scratch_[LandmarkDim * kStates] = {};
+};
+
+}  // namespace cairn
+
+#include "cairn/planar/fixed/fixed_planar_slam_heights_impl.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam_impl.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam_pixel_impl.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam_read_out.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam_records_impl.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam_update_impl.hpp"
