@@ -56,14 +56,17 @@ int FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::row_on_factor(const State
     const int fits = factor_.bits(row.state[k]) - length - kTermsBits;
     bits = fits < bits ? fits : bits;
   }
-  for (int j = 0; j <= last; ++j) {
-    std::int64_t sum = 0;
-    for (int k = 0; k < row.count; ++k) {
-      const int shift = row.bits[k] + factor_.bits(row.state[k]) - bits;
-      if (j > row.state[k] || shift > 63) continue;
-      sum += wide::round_shift(row.coefficient[k] * factor_.at(row.state[k], j), shift);
+  for (int j = 0; j <= last; ++j) out[j] = 0;
+  for (int k = 0; k < row.count; ++k) {
+    const int shift = row.bits[k] + factor_.bits(row.state[k]) - bits;
+    if (shift > 63) continue;
+    const auto coefficient = static_cast<std::int32_t>(row.coefficient[k]);
+    const int end = row.state[k] < last ? row.state[k] : last;
+    auto elements = factor_.row(row.state[k]);
+    for (int j = 0; j <= end; ++j) {
+      out[j] += static_cast<std::int32_t>(
+          wide::round_shift_far(std::int64_t{coefficient} * elements.next(), shift));
     }
-    out[j] = static_cast<std::int32_t>(sum);
   }
   return bits;
 }
