@@ -77,6 +77,16 @@ class KeepRows(unittest.TestCase):
         self.assertEqual(kept, "# New\n\n| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n| cortex-m55 | 2 |\n"
                                "| cortex-m55 | 3 |\n| riscv64-linux | 6 |\n| host-gcc-O0 | 4 |\n\nEnd.\n")
 
+    def test_rows_of_one_target_are_replaced_in_one_table(self):
+        text = page_tables.with_rows(self.EARLIER, "| target | flash |", "cortex-m55",
+                                     ["| cortex-m55 | 7 |", "| cortex-m55 | 8 |"])
+        self.assertEqual(text, self.EARLIER.replace("| cortex-m55 | 2 |\n| cortex-m55 | 3 |",
+                                                    "| cortex-m55 | 7 |\n| cortex-m55 | 8 |"))
+
+    def test_rows_of_a_target_that_is_new(self):
+        text = page_tables.with_rows(self.EARLIER, "| target | flash |", "cortex-m4f", ["| cortex-m4f | 7 |"])
+        self.assertEqual(text, self.EARLIER.replace("| cortex-m7 | 1 |", "| cortex-m7 | 1 |\n| cortex-m4f | 7 |"))
+
     def test_a_table_at_the_end_of_the_page(self):
         text = "| target | flash |\n| --- | ---: |\n| cortex-m7 | 5 |\n"
         kept = page_tables.keep_rows(self.EARLIER, text, ["cortex-m7", "cortex-m55"])

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Memory of the replay images of a firmware build: flash, static RAM, worst stack by call graph.
 
-usage: memory.py BUILD_FOLDER SIZE_TOOL BUDGET_FILE BOARD
-Fails when an image needs more than its budget (bytes), or when one has no budget.
+usage: memory.py BUILD_FOLDER SIZE_TOOL BUDGET_FILE BOARD [--renew PAGE]
+Fails when an image needs more than its budget (bytes), or when one has no budget. --renew writes the board's rows
+of docs/reference/footprint.md.
 """
 import json
 import pathlib
@@ -12,6 +13,8 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "gates"))
 import call_graph  # noqa: E402
+import footprint_page  # noqa: E402
+import page_tables  # noqa: E402
 
 FLASH = {".text", ".ARM.extab", ".ARM.exidx", ".init_array", ".data"}
 RAM = {".data", ".bss"}
@@ -85,12 +88,28 @@ def memory_of(build, size_tool, image):
     }
 
 
+def revision_of(build):
+    done = subprocess.run(["git", "describe", "--always", "--dirty", "--abbrev=7"], cwd=build, capture_output=True,
+                          text=True)
+    return done.stdout.strip() or "unknown"
+
+
+def renew(page, build, board, memories):
+    """The board's rows of the table of what a build needs."""
+    revision = revision_of(build)
+    rows = [footprint_page.build_row(board, image, revision, memory["flash_bytes"], memory["ram_bytes"],
+                                     memory["stack_bytes"]) for image, memory in memories.items()]
+    heading = page_tables.table(footprint_page.BUILD_COLUMNS, [])[0]
+    page.write_text(page_tables.with_rows(page.read_text(), heading, board, rows))
+
+
 def main():
     build, size_tool, budget_file, board = pathlib.Path(sys.argv[1]), *sys.argv[2:5]
     budgets = json.loads(pathlib.Path(budget_file).read_text()).get(board, {})
     bad = 0
+    memories = {}
     for image in images(build):
-        memory = memory_of(build, size_tool, image)
+        memory = memories[name_of(image)] = memory_of(build, size_tool, image)
         budget = budgets.get(name_of(image))
         print(f"{name_of(image)}:")
         for key in ("flash_bytes", "ram_bytes", "stack_bytes"):
@@ -101,7 +120,9 @@ def main():
         for fault in memory["stack_faults"]:
             print(f"  {fault}")
         bad += len(memory["stack_faults"])
-    return 1 if bad or not images(build) else 0
+    if sys.argv[5:6] == ["--renew"]:
+        renew(pathlib.Path(sys.argv[6]), build, board, memories)
+    return 1 if bad or not memories else 0
 
 
 if __name__ == "__main__":

@@ -59,5 +59,17 @@ def keep_rows(earlier, text, measured):
     return "\n".join(out) + "\n"
 
 
+def with_rows(text, heading, target, rows):
+    """The page `text` with `rows` in place of the target's in every table of this heading."""
+    out = []
+    for found, lines in tables_of(text.splitlines()):
+        if found == heading:
+            body = [row for row in lines if target_of(row) in ORDER and target_of(row) != target] + rows
+            lines = [row for row in lines if target_of(row) not in ORDER]
+            lines += sorted(body, key=lambda row: ORDER.index(target_of(row)))
+        out += lines
+    return "\n".join(out) + "\n"
+
+
 def renew(page, text, measured):
     page.write_text(keep_rows(page.read_text() if page.exists() else "", text, measured))
