@@ -3,70 +3,14 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 
-#include "host_sim/sources/cropped_source.hpp"
-#include "host_sim/sources/odometry_file.hpp"
 #include "host_sim/sources/scaled_source.hpp"
 #include "input_messages.hpp"
-#include "quicktime_file.hpp"
 #include "temporary_folder.hpp"
+#include "video_options.hpp"
 
 namespace cairn::host {
 namespace {
-
-constexpr const char* kCamera = "fx: 250\nfy: 250\ncx: 160\ncy: 120\nwidth: 320\nheight: 240\n";
-
-/// Options for a folder of grey pictures 0.png ... with the camera file.
-VideoOptions pictures(const TemporaryFolder& folder, int count) {
-  const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(50));
-  std::filesystem::create_directories(folder.path() / "pictures");
-  for (int i = 0; i < count; ++i) {
-    cv::imwrite((folder.path() / "pictures" / (std::to_string(i) + ".png")).string(), image);
-  }
-  VideoOptions options;
-  options.media = folder.path() / "pictures";
-  options.camera = folder.write("camera.yaml", kCamera);
-  return options;
-}
-
-struct Ran {
-  std::vector<int> numbers;
-  std::vector<std::int64_t> t_us;
-  SourceInfo info;
-};
-
-Ran run(FrameSource& source) {
-  Ran ran;
-  Frame frame;
-  while (source.next(frame)) {
-    ran.numbers.push_back(frame.number);
-    ran.t_us.push_back(frame.t_us);
-  }
-  ran.info = source.info();
-  return ran;
-}
-
-Ran run(const VideoOptions& options) {
-  return run(*make_video_source(options));
-}
-
-VideoOptions video(const TemporaryFolder& folder, const std::filesystem::path& media) {
-  VideoOptions options;
-  options.media = media;
-  options.camera = folder.write("camera.yaml", kCamera);
-  return options;
-}
-
-std::vector<cv::Mat> noise_frames() {
-  std::vector<cv::Mat> frames(3);
-  for (cv::Mat& frame : frames) {
-    frame.create(240, 320, CV_8UC1);
-    cv::randu(frame, 0, 255);
-    cv::GaussianBlur(frame, frame, {5, 5}, 2);
-  }
-  return frames;
-}
 
 TEST(VideoSource, AGuessedCameraIsSaidToBeOne) {
   const TemporaryFolder folder;
@@ -129,100 +73,6 @@ TEST(VideoSource, FolderWithTimesOdometryAndTruth) {
   EXPECT_THROW(make_video_source(options), UsageError);
 }
 
-TEST(VideoSource, FileSkipsToTheFirstFrameAskedFor) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "clip.avi";
-  cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25.0,
-                         {320, 240});
-  ASSERT_TRUE(writer.isOpened());
-  for (int i = 0; i < 6; ++i) writer.write(cv::Mat(240, 320, CV_8UC3, cv::Scalar::all(40 * i)));
-  writer.release();
-  VideoOptions options;
-  options.media = path;
-  options.camera =
-      folder.write("camera.yaml", "fx: 250\nfy: 250\ncx: 160\ncy: 120\nwidth: 320\nheight: 240\n");
-  options.range = {3, 2};
-  const auto source = make_video_source(options);
-  Frame frame;
-  ASSERT_TRUE(source->next(frame));
-  EXPECT_EQ(frame.number, 3);
-  EXPECT_EQ(frame.t_us, 120000);
-  EXPECT_NEAR(frame.grey.at<std::uint8_t>(100, 100), 120, 3);
-  ASSERT_TRUE(source->next(frame));
-  EXPECT_FALSE(source->next(frame));
-  options.media = folder.write("noise.avi", "this is no video");
-  EXPECT_TRUE(says(message_of([&] { make_video_source(options); }), {"noise.avi", "decode"}));
-}
-
-TEST(VideoSource, FramesOfAVariableRateKeepTheirTimes) {
-  const TemporaryFolder folder;
-  std::vector<int> durations(20, 33);
-  durations.insert(durations.end(), 10, 100);
-  durations.insert(durations.end(), 10, 33);
-  const auto path = folder.path() / "phone.mov";
-  QuickTimeFile(noise_frames(), durations).write(path);
-  const Ran ran = run(video(folder, path));
-  ASSERT_EQ(ran.t_us.size(), durations.size());
-  std::int64_t expected = 0;
-  for (std::size_t i = 0; i < durations.size(); ++i) {
-    EXPECT_NEAR(static_cast<double>(ran.t_us[i]), static_cast<double>(expected), 1.0) << i;
-    EXPECT_EQ(ran.numbers[i], static_cast<int>(i));
-    expected += 1000 * durations[i];
-  }
-  EXPECT_TRUE(ran.info.warnings.empty());
-  EXPECT_FALSE(ran.info.damaged);
-}
-
-TEST(VideoSource, AnUprightVideoIsTurnedAndNeedsItsCalibration) {
-  const TemporaryFolder folder;
-  cv::Mat image(240, 320, CV_8UC1, cv::Scalar(0));
-  image.colRange(0, 100).setTo(255);  // the left: after a quarter to the right, the top
-  const auto path = folder.path() / "upright.mov";
-  QuickTimeFile({image}, std::vector<int>(3, 33), true).write(path);
-  VideoOptions options = video(folder, path);
-  EXPECT_TRUE(says(message_of([&] { make_video_source(options); }),
-                   {"upright.mov", "320x240", "found 240x320", "before it is turned"}));
-  QuickTimeFile({image}, std::vector<int>(3, 33)).write(path);
-  VideoOptions lying = video(folder, path);
-  lying.camera =
-      folder.write("upright.yaml", "fx: 250\nfy: 250\ncx: 120\ncy: 160\nwidth: 240\nheight: 320\n");
-  EXPECT_TRUE(says(message_of([&] { make_video_source(lying); }),
-                   {"upright.mov", "240x320", "found 320x240", "was held the other way"}));
-  QuickTimeFile({image}, std::vector<int>(3, 33), true).write(path);
-  options.camera =
-      folder.write("upright.yaml", "fx: 250\nfy: 250\ncx: 120\ncy: 160\nwidth: 240\nheight: 320\n");
-  const auto source = make_video_source(options);
-  Frame frame;
-  ASSERT_TRUE(source->next(frame));
-  EXPECT_GT(frame.grey.at<std::uint8_t>(20, 120), 250);
-  EXPECT_LT(frame.grey.at<std::uint8_t>(300, 120), 5);
-}
-
-TEST(VideoSource, ColourIsTurnedCroppedAndScaledAsTheGreyPicture) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "upright.mov";
-  cv::Mat picture(240, 320, CV_8UC3, cv::Scalar(200, 60, 30));
-  picture({0, 0, 160, 120}).setTo(cv::Scalar(20, 40, 220));
-  QuickTimeFile({picture}, {40, 40}, true).write(path);
-  VideoOptions options;
-  options.media = path;
-  options.hfov_deg = 40.0;
-  Frame frame;
-  ASSERT_TRUE(make_video_source(options)->next(frame));
-  EXPECT_TRUE(frame.colour.empty());
-  options.colour = true;
-  const auto source =
-      scale_source(crop_source(make_video_source(options), PictureCrop{200, 280, {}, {}}), 0.5);
-  ASSERT_TRUE(source->next(frame));
-  ASSERT_EQ(frame.colour.size(), cv::Size(100, 140));
-  ASSERT_EQ(frame.grey.size(), frame.colour.size());
-  cv::Mat grey;
-  cv::cvtColor(frame.colour, grey, cv::COLOR_BGR2GRAY);
-  EXPECT_LE(cv::norm(grey, frame.grey, cv::NORM_INF), 2.0);
-  EXPECT_GT(frame.colour.at<cv::Vec3b>(20, 80)[2], 150);  // the red corner, turned clockwise
-  EXPECT_GT(frame.colour.at<cv::Vec3b>(120, 20)[0], 150);
-}
-
 TEST(VideoSource, AFolderOfColourPicturesHasColourWhereItIsWanted) {
   const TemporaryFolder folder;
   const auto pictures = folder.path() / "pictures";
@@ -244,91 +94,6 @@ TEST(VideoSource, AFolderOfColourPicturesHasColourWhereItIsWanted) {
     ASSERT_EQ(frame.colour.size(), frame.grey.size());
     EXPECT_EQ(frame.colour.at<cv::Vec3b>(100, 100), cv::Vec3b(20, 60, static_cast<uchar>(red)));
   }
-}
-
-TEST(VideoSource, TimesOfAContainerThatStandStillAreRefused) {
-  const TemporaryFolder folder;
-  std::vector<int> durations(20, 33);
-  durations[9] = 0;
-  const auto path = folder.path() / "still.mov";
-  QuickTimeFile(noise_frames(), durations).write(path);
-  EXPECT_TRUE(says(message_of([&] { run(video(folder, path)); }),
-                   {"still.mov", "0.297 s for frame 10", "--times"}));
-}
-
-/// OpenCV gives the time 0 to the frames that H.264 keeps back, for others that refer to them,
-/// until the video ends.
-TEST(VideoSource, FramesThatWereKeptBackToTheEndHaveTimes) {
-  const TemporaryFolder folder;
-  const auto path = folder.path() / "clip.mp4";
-  cv::VideoWriter writer(path.string(), cv::VideoWriter::fourcc('a', 'v', 'c', '1'), 25.0,
-                         {320, 240});
-  if (!writer.isOpened()) GTEST_SKIP() << "OpenCV has no encoder for H.264";
-  const std::vector<cv::Mat> frames = noise_frames();
-  for (std::size_t i = 0; i < 12; ++i) {
-    cv::Mat colour;
-    cv::cvtColor(frames[i % frames.size()], colour, cv::COLOR_GRAY2BGR);
-    writer.write(colour);
-  }
-  writer.release();
-  const Ran ran = run(video(folder, path));
-  ASSERT_EQ(ran.t_us.size(), 12U);
-  for (std::size_t i = 0; i < 12; ++i) {
-    EXPECT_EQ(ran.numbers[i], static_cast<int>(i));
-    EXPECT_NEAR(static_cast<double>(ran.t_us[i]), 40000.0 * static_cast<double>(i), 2.0);
-  }
-}
-
-TEST(VideoSource, AVideoThatEndsEarlyIsSaidToBeDamaged) {
-  const TemporaryFolder folder;
-  std::string bytes = QuickTimeFile(noise_frames(), std::vector<int>(40, 33)).bytes();
-  const std::size_t end = bytes.find("moov");
-  bytes.replace(end / 2, end - end / 2 - 4, std::string(end - end / 2 - 4, '\0'));
-  const auto path = folder.write("cut.mov", bytes);
-  const Ran ran = run(video(folder, path));
-  EXPECT_LT(ran.numbers.size(), 25U);
-  EXPECT_TRUE(ran.info.damaged);
-  ASSERT_EQ(ran.info.warnings.size(), 1U);
-  EXPECT_TRUE(says(ran.info.warnings[0], {"cut.mov", "of the 40 frames"}));
-
-  VideoOptions part = video(folder, path);
-  part.range.count = 10;
-  const Ran first = run(part);
-  EXPECT_EQ(first.numbers.size(), 10U);
-  EXPECT_FALSE(first.info.damaged);
-  EXPECT_TRUE(first.info.warnings.empty());
-}
-
-TEST(VideoSource, FramesThatDoNotDecodeLeaveAGapInNumbersAndTimes) {
-  const TemporaryFolder folder;
-  std::string bytes = QuickTimeFile(noise_frames(), std::vector<int>(40, 40)).bytes();
-  const std::size_t frame = bytes.find("moov") / 40;
-  bytes.replace(12 * frame, 3 * frame, std::string(3 * frame, '\0'));
-  const Ran ran = run(video(folder, folder.write("hole.mov", bytes)));
-  ASSERT_LT(ran.numbers.size(), 40U);
-  EXPECT_GE(ran.numbers.size(), 35U);
-  EXPECT_EQ(ran.numbers.back(), 39);
-  for (std::size_t i = 0; i < ran.numbers.size(); ++i) {
-    EXPECT_NEAR(static_cast<double>(ran.t_us[i]), 40000.0 * ran.numbers[i], 1.0);
-  }
-  EXPECT_FALSE(ran.info.damaged);
-  ASSERT_EQ(ran.info.warnings.size(), 1U);
-  EXPECT_TRUE(says(ran.info.warnings[0], {"hole.mov", "of the 40 frames"}));
-}
-
-TEST(VideoSource, RowsOfTimesAreDoubtedWhenFramesAreMissing) {
-  const TemporaryFolder folder;
-  std::string bytes = QuickTimeFile(noise_frames(), std::vector<int>(40, 40)).bytes();
-  const std::size_t frame = bytes.find("moov") / 40;
-  bytes.replace(12 * frame, 3 * frame, std::string(3 * frame, '\0'));
-  VideoOptions options = video(folder, folder.write("hole.mov", bytes));
-  std::string times = "frame,t_s\n";
-  for (int i = 0; i < 40; ++i) times += std::to_string(i) + "," + std::to_string(0.04 * i) + "\n";
-  options.times = folder.write("times.csv", times);
-  const Ran ran = run(options);
-  EXPECT_TRUE(ran.info.damaged);
-  ASSERT_EQ(ran.info.warnings.size(), 2U);
-  EXPECT_TRUE(says(ran.info.warnings[1], {"--times"}));
 }
 
 TEST(VideoSource, PicturesOfAnotherSizeOrDepthAreRefusedBeforeTheRun) {
@@ -393,39 +158,6 @@ TEST(VideoSource, TimesInAnotherUnitAreRefused) {
   EXPECT_TRUE(says(message_of([&] { make_video_source(options); }), {"times.csv", "33 s", "unit"}));
   options.times = folder.write("times.csv", "frame,t_us\n0,0\n1,33000\n");
   EXPECT_TRUE(says(message_of([&] { run(options); }), {"times.csv", "frame 2", "0 to 1"}));
-}
-
-TEST(OdometryFile, SamplesOutsideTheDomainAreRefusedByLine) {
-  const TemporaryFolder folder;
-  const auto problem = [&](const std::string& text) {
-    return message_of([&] { read_odometry(folder.write("o.csv", text)); });
-  };
-  const std::string twist = "t_s,speed_mps,yaw_rate_radps\n0,1,0\n";
-  const std::string steering = "t_s,speed_mps,steering_rad,wheelbase_m\n0,1,0,0.5\n";
-  EXPECT_EQ(problem(twist + "0.1,-3,9.9\n"), "no error");
-  EXPECT_EQ(problem(steering + "0.1,-0.3,1.4,0.5\n"), "no error");
-  EXPECT_TRUE(says(problem(twist + "1,1,200\n"), {"o.csv:3", "yaw_rate_radps", "10", "200"}));
-  EXPECT_TRUE(says(problem(twist + "1,500,0\n"), {"o.csv:3", "speed_mps", "100", "500"}));
-  EXPECT_TRUE(says(problem(steering + "1,1,20,0.5\n"), {"o.csv:3", "steering_rad", "1.4", "20"}));
-  EXPECT_TRUE(says(problem(twist + "0.9,1,5\n"), {"o.csv:3", "yaw_rate_radps", "4.5 rad"}));
-  EXPECT_TRUE(says(problem(steering + "0.9,9,1.3,0.5\n"), {"o.csv:3", "steering_rad", "turn"}));
-  EXPECT_TRUE(says(problem(steering + "1,1,0,0.6\n"), {"o.csv:3", "wheelbase_m", "same", "0.6"}));
-  EXPECT_TRUE(says(problem("t_s,speed_mps,steering_rad,wheelbase_m\n0,1,0,-1\n"),
-                   {"o.csv:2", "wheelbase_m", "above 0"}));
-  EXPECT_TRUE(says(problem(twist + "0,1,0\n"), {"o.csv:3", "increasing", "0.000000 s"}));
-  EXPECT_TRUE(says(problem(twist), {"o.csv", "two or more"}));
-  EXPECT_TRUE(says(problem("t_s,speed_mps,steering_rad\n0,1,0\n"), {"o.csv:1", "wheelbase_m"}));
-}
-
-TEST(OdometryFile, UnitsOfTheHeaderAreConverted) {
-  const TemporaryFolder folder;
-  const OdometryFile odometry = read_odometry(
-      folder.write("o.csv", "Yaw rate [deg/s],Speed (km/h),t_ms\n90,36,0\n-90,-36,500\n"));
-  ASSERT_EQ(odometry.samples.size(), 2U);
-  EXPECT_EQ(odometry.samples[1].t_us, 500000);
-  EXPECT_FLOAT_EQ(odometry.samples[0].speed_mps, 10.0F);
-  EXPECT_FLOAT_EQ(odometry.samples[1].turn, -1.5707963F);
-  EXPECT_DOUBLE_EQ(odometry.model.period_s, 0.5);
 }
 
 TEST(ScaledSource, PictureAndCalibrationShrinkTogether) {

@@ -1,0 +1,45 @@
+#include "host_sim/sources/odometry_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include "input_messages.hpp"
+#include "temporary_folder.hpp"
+
+namespace cairn::host {
+namespace {
+
+TEST(OdometryFile, SamplesOutsideTheDomainAreRefusedByLine) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const std::string& text) {
+    return message_of([&] { read_odometry(folder.write("o.csv", text)); });
+  };
+  const std::string twist = "t_s,speed_mps,yaw_rate_radps\n0,1,0\n";
+  const std::string steering = "t_s,speed_mps,steering_rad,wheelbase_m\n0,1,0,0.5\n";
+  EXPECT_EQ(problem(twist + "0.1,-3,9.9\n"), "no error");
+  EXPECT_EQ(problem(steering + "0.1,-0.3,1.4,0.5\n"), "no error");
+  EXPECT_TRUE(says(problem(twist + "1,1,200\n"), {"o.csv:3", "yaw_rate_radps", "10", "200"}));
+  EXPECT_TRUE(says(problem(twist + "1,500,0\n"), {"o.csv:3", "speed_mps", "100", "500"}));
+  EXPECT_TRUE(says(problem(steering + "1,1,20,0.5\n"), {"o.csv:3", "steering_rad", "1.4", "20"}));
+  EXPECT_TRUE(says(problem(twist + "0.9,1,5\n"), {"o.csv:3", "yaw_rate_radps", "4.5 rad"}));
+  EXPECT_TRUE(says(problem(steering + "0.9,9,1.3,0.5\n"), {"o.csv:3", "steering_rad", "turn"}));
+  EXPECT_TRUE(says(problem(steering + "1,1,0,0.6\n"), {"o.csv:3", "wheelbase_m", "same", "0.6"}));
+  EXPECT_TRUE(says(problem("t_s,speed_mps,steering_rad,wheelbase_m\n0,1,0,-1\n"),
+                   {"o.csv:2", "wheelbase_m", "above 0"}));
+  EXPECT_TRUE(says(problem(twist + "0,1,0\n"), {"o.csv:3", "increasing", "0.000000 s"}));
+  EXPECT_TRUE(says(problem(twist), {"o.csv", "two or more"}));
+  EXPECT_TRUE(says(problem("t_s,speed_mps,steering_rad\n0,1,0\n"), {"o.csv:1", "wheelbase_m"}));
+}
+
+TEST(OdometryFile, UnitsOfTheHeaderAreConverted) {
+  const TemporaryFolder folder;
+  const OdometryFile odometry = read_odometry(
+      folder.write("o.csv", "Yaw rate [deg/s],Speed (km/h),t_ms\n90,36,0\n-90,-36,500\n"));
+  ASSERT_EQ(odometry.samples.size(), 2U);
+  EXPECT_EQ(odometry.samples[1].t_us, 500000);
+  EXPECT_FLOAT_EQ(odometry.samples[0].speed_mps, 10.0F);
+  EXPECT_FLOAT_EQ(odometry.samples[1].turn, -1.5707963F);
+  EXPECT_DOUBLE_EQ(odometry.model.period_s, 0.5);
+}
+
+}  // namespace
+}  // namespace cairn::host
