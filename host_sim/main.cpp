@@ -13,6 +13,7 @@
 #include "host_sim/commands/command.hpp"
 #include "host_sim/commands/suggestion.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/number_text.hpp"
 #include "host_sim/io/output_file.hpp"
 
 namespace {
@@ -36,10 +37,19 @@ std::string join_arguments(int argc, char** argv) {
   return line;
 }
 
+/// Says what went wrong, and gives the code back.
+ExitCode failed(const std::exception& error, ExitCode code) {
+  fmt::print(stderr, "cairn_sim: {}\n", cairn::host::with_short_numbers(error.what()));
+  return code;
+}
+
 ExitCode run(int argc, char** argv) {
   CLI::App app{"Cairn on the host: worlds, data sets, experiments and reports", "cairn_sim"};
   app.set_version_flag("--version", std::string("cairn_sim ") + cairn::kVersion);
   app.require_subcommand(1);
+  app.failure_message([](const CLI::App* command, const CLI::Error& error) {
+    return cairn::host::with_short_numbers(CLI::FailureMessage::simple(command, error));
+  });
   cairn::host::CommandContext context{app, join_arguments(argc, argv)};
   cairn::host::register_commands(context);
   try {
@@ -50,14 +60,11 @@ ExitCode run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? ExitCode::kOk : ExitCode::kUsage;
   } catch (const cairn::host::UsageError& error) {
-    fmt::print(stderr, "cairn_sim: {}\n", error.what());
-    return ExitCode::kUsage;
+    return failed(error, ExitCode::kUsage);
   } catch (const cairn::host::InputError& error) {
-    fmt::print(stderr, "cairn_sim: {}\n", error.what());
-    return ExitCode::kInputInvalid;
+    return failed(error, ExitCode::kInputInvalid);
   } catch (const cairn::host::OutputError& error) {
-    fmt::print(stderr, "cairn_sim: {}\n", error.what());
-    return ExitCode::kOutputFailed;
+    return failed(error, ExitCode::kOutputFailed);
   }
   return context.exit_code;
 }

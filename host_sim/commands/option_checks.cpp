@@ -1,17 +1,18 @@
 #include "host_sim/commands/option_checks.hpp"
 
 #include <charconv>
-#include <cmath>
 #include <cstdint>
 
 #include <fmt/format.h>
 
+#include "host_sim/io/number_text.hpp"
+
 namespace cairn::host {
 namespace {
 
-template <class T>
-bool parse(const std::string& text, T& value) {
-  const char* end = text.data() + text.size();
+bool is_seed(const std::string& text) {
+  std::uint64_t value = 0;
+  const char* const end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, value);
   return parsed.ec == std::errc() && parsed.ptr == end;
 }
@@ -22,8 +23,9 @@ CLI::Validator above_zero() {
   return CLI::Validator(
       [](const std::string& text) {
         double value = 0.0;
-        const bool good = parse(text, value) && value > 0.0 && std::isfinite(value);
-        return good ? std::string() : fmt::format("expected a number above zero, found '{}'", text);
+        const bool good = number_problem(text, value).empty() && value > 0.0;
+        return good ? std::string()
+                    : fmt::format("expected a number above zero, up to 1.7e308, found '{}'", text);
       },
       "ABOVE 0");
 }
@@ -32,9 +34,9 @@ CLI::Validator not_negative() {
   return CLI::Validator(
       [](const std::string& text) {
         double value = 0.0;
-        const bool good = parse(text, value) && value >= 0.0 && std::isfinite(value);
+        const bool good = number_problem(text, value).empty() && value >= 0.0;
         return good ? std::string()
-                    : fmt::format("expected a number of at least zero, found '{}'", text);
+                    : fmt::format("expected a number of 0 to 1.7e308, found '{}'", text);
       },
       "AT LEAST 0");
 }
@@ -42,8 +44,7 @@ CLI::Validator not_negative() {
 CLI::Validator seed_number() {
   return CLI::Validator(
       [](const std::string& text) {
-        std::uint64_t value = 0;
-        return parse(text, value)
+        return is_seed(text)
                    ? std::string()
                    : fmt::format("expected a whole number from 0 to 2^64 - 1, found '{}'", text);
       },

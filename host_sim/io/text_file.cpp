@@ -1,13 +1,13 @@
 #include "host_sim/io/text_file.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 
 #include <fmt/format.h>
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/number_text.hpp"
 
 namespace cairn::host {
 namespace {
@@ -134,12 +134,9 @@ std::vector<std::string_view> split_blanks(std::string_view text) {
 double parse_number(std::string_view field, const std::filesystem::path& path, int line,
                     const std::string& what) {
   double value = 0.0;
-  const char* begin = field.data();
-  const char* end = begin + field.size();
-  if (begin != end && *begin == '+') ++begin;
-  const auto parsed = std::from_chars(begin, end, value);
-  if (parsed.ec != std::errc() || parsed.ptr != end || !std::isfinite(value)) {
-    throw InputError(path, line, fmt::format("{}: expected a number, found '{}'", what, field));
+  const std::string problem = number_problem(field, value);
+  if (!problem.empty()) {
+    throw InputError(path, line, fmt::format("{}: expected {}, found '{}'", what, problem, field));
   }
   return value;
 }

@@ -41,6 +41,13 @@ expect 3 "broken.yaml:|expected YAML" run video:pictures --camera broken.yaml --
 printf 't_s,speed_mps,yaw_rate_radps\n0.0,1,0\n0.1,fast,0\n' >"$work/odometry.csv"
 expect 3 "odometry.csv:3|speed_mps|expected a number, found 'fast'" \
   run video:pictures --camera camera.yaml --odometry odometry.csv --out out
+digits=$(printf '9%.0s' $(seq 309))
+printf 't_s,speed_mps,yaw_rate_radps\n0.0,1,0\n0.1,%s,0\n' "$digits" >"$work/odometry.csv"
+expect 3 "odometry.csv:3|speed_mps|expected a number of 2.3e-308 to 1.7e308|'99999999... (309 digits)'" \
+  run video:pictures --camera camera.yaml --odometry odometry.csv --out out
+sed "s/^fx: .*/fx: $digits/" "$work/camera.yaml" >"$work/long.yaml"
+expect 3 "long.yaml|'fx'|2.3e-308 to 1.7e308|'99999999... (309 digits)'" \
+  run video:pictures --camera long.yaml --out out
 printf 'frame,t_us\n3,100\n4,90\n' >"$work/times.csv"
 expect 3 "times.csv:3|increasing" \
   run video:pictures --camera camera.yaml --times times.csv --out out

@@ -43,6 +43,11 @@ expect 2 "--focal-sigma: only for --filter window" \
 expect 2 "--focal-sigma" run hall-small --mode handheld --focal-sigma 0.7 --max-frames 2 --out out
 expect 2 "--start-position-variance|--mode vehicle" \
   run hall-small --mode handheld --start-position-variance 1 --max-frames 2 --out out
+# numbers that nothing holds, of 309 digits
+digits=$(printf '9%.0s' $(seq 309))
+for option in --max-frames --work-limit --seed --budget-ms --scale --start-heading-variance --crop; do
+  expect 2 "$option|(309 digits)" run hall-small "$option" "$digits" --out out
+done
 for command in "run hall-small" "timing" "turntable --experiment yaw10" "faults" "consistency"; do
   expect 2 "--seed|whole number from 0|'-3'" $command --seed -3 --out out
 done

@@ -1,25 +1,18 @@
 #include "host_sim/io/camera_formats/camera_section.hpp"
 
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/number_text.hpp"
 
 namespace cairn::host {
 namespace {
 
 using nlohmann::json;
-
-bool parse(const std::string& text, double& value) {
-  const char* begin = text.data() + (!text.empty() && text[0] == '+' ? 1 : 0);
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(begin, end, value);
-  return begin != end && parsed.ec == std::errc() && parsed.ptr == end && std::isfinite(value);
-}
 
 bool all_zero(const json& value) {
   if (value.is_string()) {
@@ -27,7 +20,7 @@ bool all_zero(const json& value) {
     for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     double number = 0.0;
     return text.empty() || text == "false" || text == "no" ||
-           (parse(text, number) && number == 0.0);
+           (number_problem(text, number).empty() && number == 0.0);
   }
   if (value.is_object() && value.contains("data")) return all_zero(value["data"]);
   for (const json& item : value) {
@@ -167,8 +160,10 @@ double CameraSection::to_number(const json& value, const std::string& key,
                                 const std::string& what) const {
   double number = 0.0;
   if (!value.is_string()) fail(key, fmt::format("expected {}, found a list or keys", what));
-  if (!parse(value.get<std::string>(), number)) {
-    fail(key, fmt::format("expected {}, found '{}'", what, value.get<std::string>()));
+  const auto text = value.get<std::string>();
+  const std::string problem = number_problem(text, number);
+  if (!problem.empty()) {
+    fail(key, fmt::format("expected {} ({}), found '{}'", what, problem, text));
   }
   return number;
 }
