@@ -1,6 +1,7 @@
 #include "host_sim/calibration/calibration_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@ constexpr double kEnoughCoverage = 0.5;
 constexpr double kGoodRms_px = 1.0;
 constexpr double kGoodRmsOfSide = 0.0008;
 constexpr double kGoodFocalSigma = 0.005;
+constexpr double kUnseenFocalSigma = 0.005;
 
 const char* ros_name(CalibratedModel model) {
   switch (model) {
@@ -63,6 +65,11 @@ std::vector<std::string> doubts_about(const Calibration& calibration, const Cove
   return doubts;
 }
 
+std::optional<double> focal_sigma_to_tell(const Calibration& calibration) {
+  if (!calibration.focal_sigma) return std::nullopt;
+  return std::hypot(*calibration.focal_sigma, kUnseenFocalSigma);
+}
+
 std::string camera_file_text(const Calibration& calibration, const Coverage& coverage,
                              const std::string& how) {
   std::string text =
@@ -77,6 +84,9 @@ std::string camera_file_text(const Calibration& calibration, const Coverage& cov
   text += fmt::format("distortion_model: {}\ndistortion_coefficients:\n  rows: 1\n  cols: {}\n",
                       ros_name(calibration.model), calibration.coefficients.size());
   text += fmt::format("  data: [{:.9g}]\n", fmt::join(calibration.coefficients, ", "));
+  if (const std::optional<double> sigma = focal_sigma_to_tell(calibration)) {
+    text += fmt::format("focal_sigma: {:.4f}\n", *sigma);
+  }
   return text;
 }
 

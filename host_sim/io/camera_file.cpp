@@ -80,6 +80,18 @@ std::optional<TiltParameters<double>> read_suspension(const CameraSection& root)
   return known->tilt;
 }
 
+std::optional<double> read_focal_sigma(const CameraSection& root) {
+  constexpr double kLimit = 0.5;
+  if (!root.has("focal_sigma")) return std::nullopt;
+  const double sigma =
+      root.number("focal_sigma", "the relative standard deviation of the focal length");
+  if (!(sigma >= 0.0 && sigma <= kLimit)) {
+    root.fail("focal_sigma", fmt::format("expected a share of the focal length, 0 to {}, found {}",
+                                         kLimit, sigma));
+  }
+  return sigma;
+}
+
 /// The pixel nearest to the principal point on the way to a corner that has no ray.
 Vector2<double> first_pixel_without_ray(const PinholeCamera<double>& camera) {
   const Vector2<double> centre(camera.cx, camera.cy);
@@ -203,6 +215,7 @@ CameraFile read_camera_file(const fs::path& path, LensCheck lens) {
     file.T_vehicle_camera = read_pose(root, "T_vehicle_camera");
     file.T_body_camera = read_body_mounting(root);
     file.tilt = read_suspension(root);
+    file.focal_sigma = read_focal_sigma(root);
   }
   check_intrinsics(file.camera, path);
   if (lens == LensCheck::kWholePicture) check_lens(file.camera, path);

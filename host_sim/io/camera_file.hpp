@@ -19,6 +19,8 @@ struct CameraFile {
   std::optional<TiltParameters<double>> tilt;
   /// Key `T_BS` (EuRoC), or `T_cam_imu` or `T_imu_cam` (Kalibr), where given: in the IMU's frame.
   std::optional<Rigid<double>> T_body_camera;
+  /// Key `focal_sigma`, where given: relative standard deviation of the focal length.
+  std::optional<double> focal_sigma;
   std::string format;  ///< which format it was read as
 };
 

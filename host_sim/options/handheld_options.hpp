@@ -5,10 +5,6 @@
 
 namespace cairn::host {
 
-/// Of the focal length by --hfov: phones' main cameras have 62 to 73 degrees, of which stabilised
-/// video shows 75 to 90 %.
-inline constexpr double kGuessedFocalSigma = 0.2;
-
 /// What a handheld run changes about the tracker.
 struct HandheldOptions {
   std::string measurement;             ///< patch or freak; empty: the tracker's own
@@ -16,8 +12,8 @@ struct HandheldOptions {
   std::optional<double> sigma_px;      ///< of a measured pixel
   double focal_error = 0.0;            ///< share by which the tracker's focal length is made wrong
   bool estimate_focal_length = false;  ///< mono alone
-  /// Window alone: how well the focal length is known, relative. Empty: kGuessedFocalSigma of a
-  /// camera that is a guess, else the tracker's own.
+  /// Window alone: how well the focal length is known, relative. Empty: as the source says, else
+  /// the tracker's own.
   std::optional<double> focal_sigma;
 
   bool is_default() const { return is_in_log() && !focal_sigma; }

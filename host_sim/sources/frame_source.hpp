@@ -51,7 +51,8 @@ struct OdometryModel {
 struct SourceInfo {
   std::string name;  ///< hall, seven-scenes, ...
   PinholeCamera<double> camera;
-  bool guessed_camera = false;  ///< its focal length is a guess
+  /// Relative standard deviation of the camera's focal length, where it is known.
+  std::optional<double> focal_sigma;
   /// Where the camera sits on the vehicle; the identity for handheld sources.
   Rigid<double> T_vehicle_camera;
   std::optional<OdometryModel> odometry;  ///< absent: handheld

@@ -59,6 +59,7 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
     const CameraFile file = read_camera_file(camera_file, lens);
     info.camera = file.camera;
     info.T_body_camera = file.T_body_camera;
+    info.focal_sigma = file.focal_sigma;
     info.inputs.push_back(camera_file);
   }
   info.frame_rate_hz = 30.0;

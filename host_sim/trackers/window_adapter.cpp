@@ -122,8 +122,7 @@ class WindowAdapter : public Tracker {
 std::uint16_t window_focal_sigma_e4(const HandheldOptions& options, const SourceInfo& source) {
   const auto own =
       static_cast<double>(WindowTracker<DefaultConfig>::Parameters().window.focal_sigma);
-  const double sigma =
-      options.focal_sigma.value_or(source.guessed_camera ? kGuessedFocalSigma : own);
+  const double sigma = options.focal_sigma.value_or(source.focal_sigma.value_or(own));
   return static_cast<std::uint16_t>(std::lround(1e4 * sigma));
 }
 

@@ -32,6 +32,9 @@ grep -q "guess by --hfov 60" "$work/guessed/summary.json" || fail "the summary d
 grep -q "guess by --hfov 60" "$work/guessed/manifest.json" || fail "the manifest does not say it"
 grep -q '"told_sigma": 0.2' "$work/guessed/summary.json" || fail "the tracker does not know that the camera is guessed"
 expect 2 "--camera|--hfov" run video:frames --out none
+printf 'fx: 277\nfy: 277\ncx: 160\ncy: 120\nwidth: 320\nheight: 240\nfocal_sigma: 0.0125\n' >"$work/known.yaml"
+expect 0 "log hash" run video:frames --camera known.yaml --no-video --out known
+grep -q '"told_sigma": 0.0125' "$work/known/summary.json" || fail "the tracker does not know the file's focal_sigma"
 expect 2 "--hfov" run video:frames --hfov 170 --out none
 expect 2 "--hfov: source 'hall'" run hall --hfov 60 --out none
 
