@@ -34,7 +34,35 @@ struct Fit {
   std::optional<double> focal_sigma;
 };
 
-Fit fit_pinhole(const Points3& points, const Points2& pixels, const cv::Size& size, int flags) {
+PinholeCamera<double> camera_of(const cv::Size& size, CalibratedModel model, const cv::Matx33d& K,
+                                const std::vector<double>& d) {
+  PinholeCamera<double> camera;
+  camera.fx = K(0, 0);
+  camera.fy = K(1, 1);
+  camera.cx = K(0, 2);
+  camera.cy = K(1, 2);
+  camera.width = size.width;
+  camera.height = size.height;
+  camera.k1 = d[0];
+  camera.k2 = d[1];
+  if (model == CalibratedModel::kFisheye) {
+    camera.lens = Lens::kFisheye;
+    camera.k3 = d[2];
+    camera.k4 = d[3];
+    return camera;
+  }
+  camera.p1 = d[2];
+  camera.p2 = d[3];
+  camera.k3 = d[4];
+  if (model == CalibratedModel::kRational) {
+    camera.k4 = d[5];
+    camera.k5 = d[6];
+    camera.k6 = d[7];
+  }
+  return camera;
+}
+
+Fit solve_pinhole(const Points3& points, const Points2& pixels, const cv::Size& size, int flags) {
   Fit fit;
   cv::Mat K, rotations, translations, intrinsic_sigma, extrinsic_sigma, view_errors;
   fit.rms_px =
@@ -46,9 +74,27 @@ Fit fit_pinhole(const Points3& points, const Points2& pixels, const cv::Size& si
   const bool k3_is_open = (flags & (cv::CALIB_FIX_K3 | cv::CALIB_RATIONAL_MODEL)) == 0;
   const double k3 = fit.coefficients.at<double>(4);
   if (k3_is_open && std::abs(k3) < kSigmasOfCoefficient * intrinsic_sigma.at<double>(kK3)) {
-    return fit_pinhole(points, pixels, size, flags | cv::CALIB_FIX_K3);
+    return solve_pinhole(points, pixels, size, flags | cv::CALIB_FIX_K3);
   }
   return fit;
+}
+
+/// Coefficients that hold where corners were seen may fold the picture behind them: then with fewer
+/// of them, where these do not.
+Fit fit_pinhole(const Points3& points, const Points2& pixels, const cv::Size& size, int flags) {
+  const Fit full = solve_pinhole(points, pixels, size, flags);
+  if ((flags & cv::CALIB_RATIONAL_MODEL) != 0) return full;
+  const auto is_one_to_one = [&size](const Fit& fit) {
+    const std::vector<double> d(fit.coefficients.begin<double>(), fit.coefficients.end<double>());
+    return ok(camera_of(size, CalibratedModel::kRadialTangential, fit.K, d).validate());
+  };
+  if (is_one_to_one(full)) return full;
+  for (const int fixed :
+       {static_cast<int>(cv::CALIB_FIX_K3), cv::CALIB_FIX_K3 | cv::CALIB_FIX_K2}) {
+    Fit fewer = solve_pinhole(points, pixels, size, flags | fixed);
+    if (is_one_to_one(fewer)) return fewer;
+  }
+  return full;
 }
 
 double rms_of(const std::vector<cv::Point2f>& a, const std::vector<cv::Point2f>& b) {
@@ -193,6 +239,12 @@ std::vector<std::size_t> choose_views(const std::vector<BoardView>& views, const
   }
   std::sort(chosen.begin(), chosen.end());
   return chosen;
+}
+
+PinholeCamera<double> camera_of(const Calibration& calibration) {
+  const cv::Matx33d K(calibration.fx, 0.0, calibration.cx, 0.0, calibration.fy, calibration.cy, 0.0,
+                      0.0, 1.0);
+  return camera_of(calibration.size, calibration.model, K, calibration.coefficients);
 }
 
 Calibration calibrate(const std::string& media, const std::vector<BoardView>& views,

@@ -6,14 +6,18 @@
 
 #include <opencv2/core.hpp>
 
+#include "cairn/geometry/camera.hpp"
+
 #include "host_sim/calibration/board.hpp"
 
 namespace cairn::host {
 
 /// Which lens model is fitted. Names in camera files: plumb_bob, rational_polynomial, equidistant.
 enum class CalibratedModel {
-  kRadialTangential,  ///< k1 k2 p1 p2 k3; k3 stays 0 where the pictures do not determine it
-  kRational,          ///< k1 k2 p1 p2 k3 k4 k5 k6
+  /// k1 k2 p1 p2 k3; k3 stays 0 where the pictures do not determine it, k3, or k2 and k3, where the
+  /// lens would fold back inside the picture.
+  kRadialTangential,
+  kRational,  ///< k1 k2 p1 p2 k3 k4 k5 k6
   /// Kannala-Brandt, k1 k2 k3 k4; k4, or k3 and k4, stay 0 where they lower the rms by less than 2
   /// %.
   kFisheye,
@@ -32,10 +36,13 @@ struct Calibration {
   double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;
   std::vector<double> coefficients;  ///< in the model's order
   double rms_px = 0.0;               ///< of the used boards' corners
-  /// Standard deviation of fx over fx, for independent errors of corners; none for kFisheye.
+  /// Standard deviation of fx over fx, for independent errors of corners; none for kFisheye. It is
+  /// too small where their errors are alike, see focal_sigma_to_tell().
   std::optional<double> focal_sigma;
   std::vector<CalibratedView> views;  ///< the chosen ones
 };
+
+PinholeCamera<double> camera_of(const Calibration& calibration);
 
 /// Share of the cells of a picture in which a corner was seen, row by row.
 struct Coverage {

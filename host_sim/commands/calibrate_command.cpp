@@ -90,34 +90,6 @@ Search search(const CalibrateOptions& options, const BoardDetector& detector) {
   return search;
 }
 
-PinholeCamera<double> camera_of(const Calibration& calibration) {
-  PinholeCamera<double> camera;
-  camera.fx = calibration.fx;
-  camera.fy = calibration.fy;
-  camera.cx = calibration.cx;
-  camera.cy = calibration.cy;
-  camera.width = calibration.size.width;
-  camera.height = calibration.size.height;
-  const std::vector<double>& d = calibration.coefficients;
-  camera.k1 = d[0];
-  camera.k2 = d[1];
-  if (calibration.model == CalibratedModel::kFisheye) {
-    camera.lens = Lens::kFisheye;
-    camera.k3 = d[2];
-    camera.k4 = d[3];
-    return camera;
-  }
-  camera.p1 = d[2];
-  camera.p2 = d[3];
-  camera.k3 = d[4];
-  if (calibration.model == CalibratedModel::kRational) {
-    camera.k4 = d[5];
-    camera.k5 = d[6];
-    camera.k6 = d[7];
-  }
-  return camera;
-}
-
 void print_calibration(const Calibration& calibration, const Coverage& coverage) {
   fmt::print("{:<24}{:>10}\n", "board", "rms, px");
   for (const CalibratedView& view : calibration.views) {
