@@ -66,6 +66,7 @@ class CoreFilter final : public RecordedFilter {
   }
   std::vector<MappedLandmark> landmarks() const override {
     std::vector<MappedLandmark> map;
+    map.reserve(static_cast<std::size_t>(filter_->landmark_count()));
     for (int slot = 0; slot < filter_->landmark_count(); ++slot) {
       map.push_back({filter_->landmark_id(slot), filter_->mean_landmark(slot),
                      filter_->landmark_covariance(slot)});
@@ -168,6 +169,7 @@ class FixedFilter final : public RecordedFilter {
   }
   std::vector<MappedLandmark> landmarks() const override {
     std::vector<MappedLandmark> map;
+    map.reserve(static_cast<std::size_t>(filter_->landmark_count()));
     for (int slot = 0; slot < filter_->landmark_count(); ++slot) {
       map.push_back({filter_->landmark_id(slot), position_of(filter_->mean_landmark(slot)),
                      to_double(filter_->landmark(slot).covariance)});

@@ -65,6 +65,7 @@ std::vector<Track> read_tracks(const std::filesystem::path& folder) {
                             Vector2<float>(static_cast<float>(row[3]), static_cast<float>(row[4])));
   }
   std::vector<Track> tracks;
+  tracks.reserve(frames.size());
   for (auto& [number, track] : frames) tracks.push_back(std::move(track));
   return tracks;
 }
@@ -142,6 +143,7 @@ Run track(const std::vector<Track>& tracks, const PinholeCamera<float>& believed
 
 std::vector<Rigid<double>> poses_of(const std::vector<TimedPose>& timed) {
   std::vector<Rigid<double>> poses;
+  poses.reserve(timed.size());
   for (const TimedPose& pose : timed) poses.push_back(pose.pose);
   return poses;
 }

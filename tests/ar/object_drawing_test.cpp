@@ -237,7 +237,8 @@ TEST(DrawObject, DrawsWhatRayCastingSeesAndNothingElse) {
           for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
               brightest = std::max<int>(brightest, image.at(x + dx, y + dy));
-              expected[static_cast<std::size_t>((y + dy) * 320 + x + dx)] = 1;
+              expected[static_cast<std::size_t>(y + dy) * 320 + static_cast<std::size_t>(x + dx)] =
+                  1;
             }
           }
           ++checked;
@@ -247,8 +248,8 @@ TEST(DrawObject, DrawsWhatRayCastingSeesAndNothingElse) {
     }
     for (int y = 3; y < 237; ++y) {
       for (int x = 3; x < 317; ++x) {  // drawn, but not seen
-        wrong +=
-            image.at(x, y) > 100 && expected[static_cast<std::size_t>(y * 320 + x)] == 0 ? 1 : 0;
+        const std::size_t at = static_cast<std::size_t>(y) * 320 + static_cast<std::size_t>(x);
+        wrong += image.at(x, y) > 100 && expected[at] == 0 ? 1 : 0;
       }
     }
   }

@@ -74,9 +74,10 @@ TEST(FitPlane, RefusesLinesAndScatter) {
   Cloud cloud(3);
   PlaneFit plane;
   plane.inliers = -3;
-  std::vector<Vector3<float>> line;
-  for (int i = 0; i < 10; ++i)
-    line.push_back(cloud.origin() + static_cast<float>(i) * cloud.normal());
+  std::vector<Vector3<float>> line(10);
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    line[i] = cloud.origin() + static_cast<float>(i) * cloud.normal();
+  }
   EXPECT_EQ(fit(line, {0, 0, 0}, plane), Status::kDegenerate);
   PlaneFitOptions strict;
   strict.min_inliers = 20;

@@ -3,11 +3,21 @@
 #include <random>
 #include <vector>
 
+#include "cairn/base/hash.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/pose_refinement.hpp"
 #include "cairn/geometry/rigid.hpp"
 
 namespace cairn::test {
+
+/// Of every bit of a pose.
+template <class T>
+std::uint64_t hash_of(const Rigid<T>& pose) {
+  Hash64 hash;
+  for (int i = 0; i < 4; ++i) hash.add(pose.rotation.coeffs()(i));
+  for (int i = 0; i < 3; ++i) hash.add(pose.translation(i));
+  return hash.value();
+}
 
 /// Random poses, points and noisy pixels for the tests of pose estimation.
 template <class T>

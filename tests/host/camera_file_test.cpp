@@ -72,6 +72,15 @@ TEST(CameraFile, ReadsAFisheyeInEveryFormat) {
   const std::string list = "[0.1, -0.2, 0.001, -0.002]";
   const std::string fisheye_list = "[-0.02, 0.01, -0.003, 0.001]";
   const std::string keys = "k1: 0.1\nCamera.k2: -0.2\nCamera.p1: 0.001\nCamera.p2: -0.002\n";
+  const std::string keys_of_fisheye =
+      "k1: -0.02\nCamera.k2: 0.01\nCamera.k3: -0.003\nCamera.k4: 0.001\n";
+  const std::string vins =
+      "%YAML:1.0\nmodel_type: KANNALA_BRANDT\nimage_width: 640\nimage_height: 480\n"
+      "projection_parameters: {k2: -0.02, k3: 0.01, k4: -0.003, k5: 0.001, mu: 510, mv: 520, "
+      "u0: 320, v0: 240}\n";
+  const std::string plain =
+      "fx: 510\nfy: 520\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\nlens: fisheye\nk1: -0.02\n"
+      "k2: 0.01\nk3: -0.003\nk4: 0.001\n";
   const std::string files[] = {
       replaced(replaced(kOpenCv, "fisheye_model: 0", "fisheye_model: 1"),
                "[ 0.1, -0.2, 0.001, -0.002, 0. ]", fisheye_list),
@@ -80,16 +89,13 @@ TEST(CameraFile, ReadsAFisheyeInEveryFormat) {
       replaced(replaced(kKalibr, "radtan", "equidistant"), list, fisheye_list),
       replaced(replaced(kEuroc, "radial-tangential", "equidistant"), list, fisheye_list),
       replaced(replaced(kOrbSlam2, "Camera.fx", "Camera.type: KannalaBrandt8\nCamera.fx"), keys,
-               "k1: -0.02\nCamera.k2: 0.01\nCamera.k3: -0.003\nCamera.k4: 0.001\n"),
-      "%YAML:1.0\nmodel_type: KANNALA_BRANDT\nimage_width: 640\nimage_height: 480\n"
-      "projection_parameters: {k2: -0.02, k3: 0.01, k4: -0.003, k5: 0.001, mu: 510, mv: 520, "
-      "u0: 320, v0: 240}\n",
+               keys_of_fisheye),
+      vins,
       R"({"value0": {"intrinsics": [{"camera_type": "kb4", "intrinsics": {"fx": 510, "fy": 520,
       "cx": 320, "cy": 240, "k1": -0.02, "k2": 0.01, "k3": -0.003, "k4": 0.001}}],
       "resolution": [[640, 480]]}})",
       "1 OPENCV_FISHEYE 640 480 510 520 320.5 240.5 -0.02 0.01 -0.003 0.001\n",
-      "fx: 510\nfy: 520\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\nlens: fisheye\nk1: -0.02\n"
-      "k2: 0.01\nk3: -0.003\nk4: 0.001\n"};
+      plain};
   for (const std::string& text : files) {
     PinholeCamera<double> c;
     ASSERT_NO_THROW(c = read_camera_file(folder.write("c.yaml", text)).camera) << text;

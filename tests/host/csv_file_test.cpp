@@ -53,7 +53,7 @@ TEST(CsvReader, NamesLineColumnAndExpectation) {
   EXPECT_TRUE(says(read("a,b\n\"1\"2,3\n"), {"a.csv:2", "behind a closing quote"}));
   EXPECT_TRUE(says(read("1,2\n3,4\n"), {"a.csv:1", "header", "found numbers"}));
   EXPECT_TRUE(says(read(""), {"a.csv", "header", "empty file"}));
-  EXPECT_TRUE(says(read("\xFF\xFEt\0_\0"), {"a.csv", "UTF-16"}));
+  EXPECT_TRUE(says(read(std::string("\xFF\xFEt\0_\0", 6)), {"a.csv", "UTF-16"}));
   EXPECT_TRUE(says(read(std::string("a,b\n1,\0", 7)), {"a.csv:2", "zero byte"}));
   EXPECT_TRUE(says(read("a\n" + std::string(100000, '1')), {"a.csv:2", "65536 characters"}));
   EXPECT_TRUE(says(message_of([&] { CsvReader(folder.path() / "none.csv"); }), {"no such file"}));

@@ -44,7 +44,8 @@ void write_euroc(const TemporaryFolder& folder, const std::string& truth, int ty
   std::string list = "#timestamp [ns],filename\r\n";
   for (const std::string& stamp : stamps) {
     picture(folder.path() / "mav0/cam0/data" / (stamp + ".png"), 64, 48, type);
-    list += stamp + "," + stamp + ".png\r\n";
+    list += stamp + ",";
+    list += stamp + ".png\r\n";
   }
   folder.write("mav0/cam0/data.csv", list);
   std::string poses =
@@ -178,6 +179,7 @@ TEST(Kitti, ColourPicturesHaveTheirOwnCamera) {
 
 void write_kitti_raw(const TemporaryFolder& folder) {
   const std::string drive = "2011_09_26/2011_09_26_drive_0001_sync/";
+  const std::string oxts = drive + "oxts/data/";
   std::string camera_times, oxts_times;
   for (int i = 0; i < 4; ++i) {
     const std::string name = "000000000" + std::to_string(i);
@@ -192,7 +194,7 @@ void write_kitti_raw(const TemporaryFolder& folder) {
                   "%.12f 8.4 110.0 0 0 1.5707963267948966 10 0 10 0 0 0 0 9.8 0 0 9.8 0 0 0.02 0 0 "
                   "0.02 0.1 0.1 4 10 4 4 0\n",
                   49.0 + i / 6378137.0 * 180.0 / M_PI);
-    folder.write(drive + "oxts/data/" + name + ".txt", text);
+    folder.write(oxts + name + ".txt", text);
   }
   folder.write(drive + "image_00/timestamps.txt", camera_times);
   folder.write(drive + "oxts/timestamps.txt", oxts_times);

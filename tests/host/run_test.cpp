@@ -43,6 +43,7 @@ TEST(Statistics, ChiSquareBandAgreesWithTables) {
 std::vector<Rigid<double>> random_path(int count) {
   GaussianRandom random(4);
   std::vector<Rigid<double>> path;
+  path.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     path.push_back(
         {rotation_exp(Vector3<double>{random.normal(), random.normal(), random.normal()}),

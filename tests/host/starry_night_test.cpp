@@ -25,6 +25,7 @@ constexpr const char* kPixelHeader = "k,t_s,landmark(1..20),u_left,v_left,u_righ
 void write_sway(const TemporaryFolder& folder) {
   GaussianRandom random(3);
   std::vector<Vector3<double>> points;
+  points.reserve(20);
   for (int i = 0; i < 20; ++i) {
     points.push_back(Vector3<double>{random.uniform(-0.8, 0.8), random.uniform(-0.6, 0.6),
                                      random.uniform(1.5, 3.0)});

@@ -42,6 +42,7 @@ ByteSource source_of(Bytes& bytes) {
 Library random_library(unsigned seed, int count, bool reversed = false) {
   LandmarkMaker maker(seed);
   std::vector<LibraryLandmark<float>> landmarks;
+  landmarks.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     landmarks.push_back(maker.landmark(static_cast<LandmarkId>(10 + 3 * i)));
   }

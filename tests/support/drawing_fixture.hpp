@@ -19,7 +19,7 @@ class GuardedImage {
       : width_(width),
         height_(height),
         stride_(width + 2 * kGuard),
-        bytes_(static_cast<std::size_t>(stride_ * (height + 2 * kGuard)), kGuardGrey) {
+        bytes_(index(0, height + 2 * kGuard), kGuardGrey) {
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) view().row(y)[x] = grey;
     }
@@ -33,8 +33,7 @@ class GuardedImage {
       for (int x = 0; x < stride_; ++x) {
         const bool inside =
             x >= kGuard && x < kGuard + width_ && y >= kGuard && y < kGuard + height_;
-        if (!inside && bytes_[static_cast<std::size_t>(y * stride_ + x)] != kGuardGrey)
-          return false;
+        if (!inside && bytes_[index(x, y)] != kGuardGrey) return false;
       }
     }
     return true;
@@ -49,6 +48,11 @@ class GuardedImage {
   const std::vector<std::uint8_t>& bytes() const { return bytes_; }
 
  private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(stride_) +
+           static_cast<std::size_t>(x);
+  }
+
   int width_;
   int height_;
   int stride_;

@@ -36,7 +36,8 @@ class PlaneScene {
           const double dv = (row + 0.5) / kSamples - 0.5;
           sum += sample(camera, T_world_camera, u + du, v + dv);
         }
-        image[static_cast<std::size_t>(v * camera.width + u)] =
+        const std::size_t at = static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width);
+        image[at + static_cast<std::size_t>(u)] =
             static_cast<std::uint8_t>(std::lround(sum / (kSamples * kSamples)));
       }
     }

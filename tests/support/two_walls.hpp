@@ -24,10 +24,8 @@ inline std::vector<std::uint8_t> render_walls(const Rigid<double>& pose, const P
   static_cast<void>(camera.project(pose.inverse() * Vector3<double>(-0.1, 0.0, 1.2), edge));
   const int columns = clamp(static_cast<int>(edge.x()), 0, camera.width);
   for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < columns; ++u) {
-      const auto i = static_cast<std::size_t>(v * camera.width + u);
-      image[i] = front[i];
-    }
+    const std::size_t row = static_cast<std::size_t>(v) * static_cast<std::size_t>(camera.width);
+    for (std::size_t i = row; i < row + static_cast<std::size_t>(columns); ++i) image[i] = front[i];
   }
   return image;
 }

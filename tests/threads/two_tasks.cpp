@@ -45,6 +45,7 @@ struct Outcome {
 Outcome track(Tracker& tracker, Map& map, int frames) {
   const cairn::test::PlaneScene scene(2.0, 0.22);
   std::vector<std::vector<std::uint8_t>> pictures;
+  pictures.reserve(kPlaces);
   for (int k = 0; k < kPlaces; ++k) {
     pictures.push_back(
         scene.render(cairn::test::small_camera(),

@@ -11,8 +11,8 @@ struct EstimateOfATilt {
   Vector2<float> noise = Vector2<float>::Zero();
 
   const Rigid<float>& T_vehicle_camera() const { return mount; }
-  const Matrix2<float>& tilt_covariance() const { return covariance; }
-  const Vector2<float>& tilt_noise(float) const { return noise; }
+  Matrix2<float> tilt_covariance() const { return covariance; }
+  Vector2<float> tilt_noise(float) const { return noise; }
 };
 
 /// GIVEN a vehicle whose camera looks ahead (its x to the right, y down) or to the left.

@@ -67,7 +67,7 @@ FaultOutcomes inject_standing(const FaultScene& scene) {
                    "the vehicle stands, pictures with fresh noise, to the end",
                    "positive definite in every frame, not lost, never tracking while wrong");
   const std::vector<Frame>& frames = scene.frames();
-  const Frame still = frames[static_cast<std::size_t>(scene.settings().from - 1)];
+  const Frame& still = frames[static_cast<std::size_t>(scene.settings().from - 1)];
   const std::uint64_t seed = scene.settings().seed;
   const FaultDrive drive = scene.drive(scene.rest(), [&](int k, FaultStep& step) {
     step.frame.grey = grain(still.grey, seed + static_cast<std::uint64_t>(k));

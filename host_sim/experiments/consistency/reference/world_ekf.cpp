@@ -191,6 +191,7 @@ void WorldEkf::update(const std::vector<PointSighting>& sightings, double sigma_
     DenseGain gain;
     for (int pass = 0; pass < passes; ++pass) {
       std::vector<DenseRow> rows;
+      rows.reserve(known.size());
       for (const auto& s : known) {
         rows.push_back(kind_ == Kind::kUnscented ? linearise_unscented(s, sigma_m)
                                                  : linearise(s, at, sigma_m));
