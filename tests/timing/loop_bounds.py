@@ -40,7 +40,8 @@ evolves stress scenes towards the largest sum of all counts. `bound`: how often 
 loop is reached, as the capacity or count behind the limit in its head (values of `DefaultConfig` below); a plain
 number is fixed in the code. `around`: how often the loop around it, or its function, ran at most in one frame;
 `body`: how often its own body did; both of the template instance that ran most. The check fails when `body`
-exceeds `around` times the bound, or when a loop has no bound.
+exceeds `around` times the bound, or when a loop has no bound. Counted at commit {revision}; a loop that is newer, or
+has another name there, is not in the table.
 
 What it cannot see: a bound that is exceeded in one pass and compensated by other passes of the same frame, since
 only a frame's largest sums are compared. {unreached} loops of the core were reached by no frame: other filters, the map's
@@ -156,7 +157,10 @@ def write_page(page, rows, stages, values, unreached, tries):
         text = loop.head.replace("|", "\\|")
         shown = f"`{bound}`" if not bound.isdigit() else bound
         lines.append(f"| {loop.line} | `{text}` | {shown} | {reached:,} | {body:,} |")
-    page.write_text(PAGE.format(tries=f"{tries:,}", unreached=unreached) + "\n".join(lines) + "\n")
+    described = subprocess.run(["git", "describe", "--always", "--dirty", "--abbrev=7"], cwd=ROOT, capture_output=True,
+                               text=True)
+    revision = described.stdout.strip() or "unknown"
+    page.write_text(PAGE.format(tries=f"{tries:,}", unreached=unreached, revision=revision) + "\n".join(lines) + "\n")
 
 
 def main():
