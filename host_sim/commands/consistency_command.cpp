@@ -48,7 +48,7 @@ std::vector<std::string> filters_of(const ConsistencyOptions& options) {
   std::vector<std::string> named;
   for (const auto& filter : filters) {
     for (const auto& scalar : options.scalars) {
-      named.push_back(scalar == "double" ? filter : filter + "-" + scalar);
+      named.push_back(scalar == "double" ? filter : fmt::format("{}-{}", filter, scalar));
     }
   }
   return named;

@@ -77,6 +77,13 @@ void check_options(const RunKind& kind, const Names& given) {
   }
 }
 
+const RunKind* find_kind(const std::string& name) {
+  for (const RunKind& kind : run_kinds()) {
+    if (name == kind.name) return &kind;
+  }
+  return nullptr;
+}
+
 ExitCode run_kind(const RunKind& kind, const RunOptions& options) {
   const std::size_t colon = options.source.find(':');
   const bool has_rest = colon != std::string::npos;
@@ -132,15 +139,14 @@ const std::vector<RunKind>& run_kinds() {
 }
 
 ExitCode dispatch_run(const RunOptions& options) {
-  const std::string name = options.source.substr(0, options.source.find(':'));
-  for (const RunKind& kind : run_kinds()) {
-    if (name == kind.name) return run_kind(kind, options);
-  }
+  const auto name_of = [](const std::string& source) { return source.substr(0, source.find(':')); };
+  const std::string name = name_of(options.source);
+  if (const RunKind* kind = find_kind(name)) return run_kind(*kind, options);
   RunOptions found = options;
   found.source = source_of_path(options.source);
-  if (!found.source.empty()) {
+  if (const RunKind* kind = find_kind(name_of(found.source))) {
     fmt::print("{}: taken as {}\n", options.source, found.source);
-    return dispatch_run(found);
+    return run_kind(*kind, found);
   }
   std::string known;
   std::vector<std::string> names;

@@ -18,14 +18,15 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-ByteSource source_of(const Bytes& bytes) {
+/// Reads what `bytes` points to.
+ByteSource source_of(const Bytes*& bytes) {
   return {[](void* context, std::uint32_t offset, std::uint8_t* to, int count) {
-            const Bytes& from = *static_cast<const Bytes*>(context);
+            const Bytes& from = **static_cast<const Bytes**>(context);
             if (offset + static_cast<std::size_t>(count) > from.size()) return false;
             std::memcpy(to, from.data() + offset, static_cast<std::size_t>(count));
             return true;
           },
-          const_cast<Bytes*>(&bytes), static_cast<std::uint32_t>(bytes.size())};
+          &bytes, static_cast<std::uint32_t>(bytes->size())};
 }
 
 /// The map that a drive over the scene leaves.
@@ -46,7 +47,7 @@ Bytes saved_map(const FaultScene& scene, Core& core) {
 Bytes some_log(const FaultScene& scene) {
   FaultBytes bytes;
   InputLogWriter<FaultBytes> writer(bytes);
-  TrackerOptions options = scene.options();
+  const TrackerOptions& options = scene.options();
   static_cast<void>(
       writer.begin(to_log_header(options, scene.info(), scene.frames().front().t_us)));
   for (int i = 0; i < 2; ++i) {
@@ -98,7 +99,8 @@ FaultOutcome refused_map(Core& core, const char* what, const Bytes& map, MapFile
                    fmt::format("refused for {}, the tracker unchanged", to_string(expected)));
   const std::uint64_t before = hash_of_state(core);
   MapFileInfo info;
-  const Status status = core.load_map(source_of(map), info);
+  const Bytes* from = &map;
+  const Status status = core.load_map(source_of(from), info);
   judge.saw(fmt::format("{} ({}): version {}, {} landmarks of {} views", cairn::to_string(status),
                         to_string(info.fault), info.version, info.landmarks, info.views));
   judge.expect(!ok(status) && info.fault == expected, "not refused so");
@@ -116,8 +118,9 @@ FaultOutcome damaged_map(Core& core, const Bytes& map, std::size_t step) {
   const std::uint64_t before = hash_of_state(core);
   const auto attempt = [&](const Bytes& damaged) {
     MapFileInfo info;
+    const Bytes* from = &damaged;
     ++tries;
-    if (ok(core.load_map(source_of(damaged), info))) ++accepted;
+    if (ok(core.load_map(source_of(from), info))) ++accepted;
     if (hash_of_state(core) != before) ++changed;
   };
   for (std::size_t at = 0; at < map.size(); at += step) {

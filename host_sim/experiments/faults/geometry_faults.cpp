@@ -54,6 +54,7 @@ struct PlaneDraw {
 
 PlaneDraw draw_plane(GaussianRandom& random, double noise_px) {
   constexpr int kSide = 5;
+  constexpr int kMiddle = kSide / 2;
   PlaneDraw draw;
   const double about_x = random.normal(0.3);
   const double about_y = random.normal(0.3);
@@ -64,8 +65,9 @@ PlaneDraw draw_plane(GaussianRandom& random, double noise_px) {
   for (int i = 0; i < kSide * kSide; ++i) {
     PoseObservation<float> seen;
     const float step = 0.08F;
-    seen.p_world = Vector3<float>(step * static_cast<float>(i % kSide - kSide / 2),
-                                  step * static_cast<float>(i / kSide - kSide / 2), 0.0F);
+    const int column = i % kSide - kMiddle, row = i / kSide - kMiddle;
+    seen.p_world =
+        Vector3<float>(step * static_cast<float>(column), step * static_cast<float>(row), 0.0F);
     if (!ok(camera.project(draw.T_world_camera.inverse() * seen.p_world, seen.pixel))) continue;
     seen.pixel.x() += static_cast<float>(random.normal(noise_px));
     seen.pixel.y() += static_cast<float>(random.normal(noise_px));

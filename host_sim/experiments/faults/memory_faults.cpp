@@ -56,8 +56,8 @@ int watch_in_child(const FaultScene& scene, const Core& core, std::size_t bit,
     alarm(kLongest_s);
     const auto copy = std::make_unique<Core>(core);
     // The filter is private to the tracker, its bytes are not: this is what a cosmic ray does.
-    auto* bytes = reinterpret_cast<unsigned char*>(
-        const_cast<void*>(static_cast<const void*>(&copy->filter())));
+    auto* object = reinterpret_cast<unsigned char*>(copy.get());
+    auto* bytes = object + (reinterpret_cast<const unsigned char*>(&copy->filter()) - object);
     bytes[bit / 8] = static_cast<unsigned char>(bytes[bit / 8] ^ (1U << (bit % 8)));
     const FlipEnd result = watch(scene, *copy, undisturbed);
     const ssize_t written = write(channel[1], &result, sizeof result);

@@ -84,8 +84,9 @@ double shared_view(const Recording& recording, int present, int before, double d
   if (std::abs(std::atan2(right.y(), right.x())) > kMostRoll) return 0.0;
   int shared = 0;
   for (int i = 0; i < kColumns * kRows; ++i) {
-    const Vector2<double> pixel(c.width * (i % kColumns + 0.5) / kColumns,
-                                c.height * (i / kColumns + 0.5) / kRows);
+    const int column = i % kColumns, row = i / kColumns;
+    const Vector2<double> pixel(c.width * (column + 0.5) / kColumns,
+                                c.height * (row + 0.5) / kRows);
     Vector2<double> seen;
     const Vector3<double> p = T * Vector3<double>(depth_m * c.unproject(pixel));
     shared += ok(c.project(p, seen)) && c.contains(seen) ? 1 : 0;
