@@ -135,6 +135,10 @@ bool replay(cairn::InputLogReader<FileBytes>& reader, const cairn::InputLogHeade
       odometry.push_back(sample);
       continue;
     }
+    if (event == cairn::LogEvent::kAngularRate) {
+      static_cast<void>(cairn::replay_angular_rate(reader.angular_rate(), machine->tracker));
+      continue;
+    }
     cairn::replay_work_limit(frame, machine->tracker);
     machine->frame(odometry, frame.t_us, image, counters);
     odometry.clear();
