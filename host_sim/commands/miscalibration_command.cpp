@@ -23,7 +23,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MiscalibrationResult, told, frames, tracked, 
 namespace {
 
 constexpr double kSoon_s = 10.0;
-constexpr int kFrames = 1200;
+constexpr int kDriveFrames = 1200;
 
 struct MiscalibrationArguments {
   RunOptions run;
@@ -138,7 +138,7 @@ ExitCode write_results(const PartialResult& part, const Conclusion& conclusion) 
 ExitCode run(const MiscalibrationArguments& arguments) {
   const InterruptionGuard guard;
   RunOptions options = arguments.run;
-  if (!options.max_frames) options.max_frames = kFrames;
+  if (!options.max_frames) options.max_frames = kDriveFrames;
   PartialResult part = make_partial("miscalibration",
                                     {{"source", options.source},
                                      {"frames", *options.max_frames},

@@ -181,7 +181,8 @@ class KeyframeWindow {
   static constexpr int kStepLandmark = 4;
   static constexpr int kStepObservation = 1;
   static constexpr int kStepFocal = 8;  ///< part that the focal length adds
-  static constexpr int kSeekStart = 1450;
+  static constexpr int kJudgeStart = 110;
+  static constexpr int kSeekStart = 1400;
   static constexpr int kTakeStart = 60;
   static constexpr int kStartPose = 270;  ///< of a keyframe between
 
@@ -201,7 +202,7 @@ class KeyframeWindow {
     bool used = false;
     bool live = false;
   };
-  enum class Start : std::uint8_t { kNoCheck, kSeek, kTake };
+  enum class Start : std::uint8_t { kNoCheck, kJudge, kSeek, kTake };
   /// What two keyframes both see.
   struct StartView {
     FixedVector<DirectionPair<T>, kStartPairs> pairs;
@@ -253,6 +254,7 @@ class KeyframeWindow {
   void improve();
   EpipolarOptions<T> start_options() const;
   void common_view(int place, StartView& view) const;
+  void judge_start();
   void seek_start();
   void take_start();
   void compare_start();
@@ -283,7 +285,8 @@ class KeyframeWindow {
   T damping_ = kFirstDamping;
   Start start_ = Start::kNoCheck;
   int start_from_ = 0;     ///< index of the keyframe that the start's motion is relative to
-  Rigid<T> start_motion_;  ///< from it to the newest, translation of length 1
+  T start_cost_ = T(0);    ///< of the window's motion from it to the newest
+  Rigid<T> start_motion_;  ///< another one, translation of length 1
   System system_;
   T gradient_[kMaxStates] = {};
   Reduced reduced_[kLandmarks];

@@ -221,7 +221,7 @@ void KeyframeWindow<T, Bounds>::finish_keyframe(bool moved) {
   moved_ += moved ? 1 : 0;
   if (started_ < 2) return;
   left_ = parameters_.iterations;
-  if (moved && !settled()) start_ = Start::kSeek;
+  if (moved && !settled()) start_ = Start::kJudge;
 }
 
 template <class T, class Bounds>

@@ -67,6 +67,7 @@ bool KeyframeWindow<T, Bounds>::iterate(Solution& solution, T& damping, T& befor
 
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::step_work() const {
+  if (start_ == Start::kJudge) return kJudgeStart;
   if (start_ == Start::kSeek) return kSeekStart;
   if (start_ == Start::kTake) {
     return kTakeStart + kStartPose * (order_.size() - 2 - start_from_);
@@ -85,7 +86,9 @@ int KeyframeWindow<T, Bounds>::step_work() const {
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::step() {
-  if (start_ == Start::kSeek) {
+  if (start_ == Start::kJudge) {
+    judge_start();
+  } else if (start_ == Start::kSeek) {
     seek_start();
   } else if (start_ == Start::kTake) {
     take_start();

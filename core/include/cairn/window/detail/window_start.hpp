@@ -28,10 +28,10 @@ void KeyframeWindow<T, Bounds>::common_view(int place, StartView& view) const {
   }
 }
 
-/// Whether another motion since the oldest keyframe that sees enough of the same explains the
-/// picture clearly better than the window's.
+/// What the window's motion since the oldest keyframe that sees enough of the same leaves
+/// unexplained; whether another could explain clearly more.
 template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::seek_start() {
+void KeyframeWindow<T, Bounds>::judge_start() {
   start_ = Start::kNoCheck;
   StartView view;
   start_from_ = 0;
@@ -40,13 +40,23 @@ void KeyframeWindow<T, Bounds>::seek_start() {
     if (view.pairs.size() >= kLeastStartPairs) break;
   }
   if (start_from_ + 1 >= order_.size()) return;
-  const int count = view.pairs.size();
-  const EpipolarOptions<T> options = start_options();
   Rigid<T> believed = newest_pose() * now().pose[slot_of_[order_[start_from_]]].inverse();
-  const T cost = improve_epipolar_motion(view.pairs.begin(), count, options, believed);
-  T least = T(0);
-  if (!estimate_epipolar_motion(view.pairs.begin(), count, options, start_motion_, least)) return;
-  if (least < parameters_.start_gain * cost - parameters_.start_margin) start_ = Start::kTake;
+  start_cost_ =
+      improve_epipolar_motion(view.pairs.begin(), view.pairs.size(), start_options(), believed);
+  if (parameters_.start_gain * start_cost_ > parameters_.start_margin) start_ = Start::kSeek;
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::seek_start() {
+  start_ = Start::kNoCheck;
+  StartView view;
+  common_view(order_[start_from_], view);
+  T cost = T(0);
+  if (estimate_epipolar_motion(view.pairs.begin(), view.pairs.size(), start_options(),
+                               start_motion_, cost) &&
+      cost < parameters_.start_gain * start_cost_ - parameters_.start_margin) {
+    start_ = Start::kTake;
+  }
 }
 
 /// Poses and depths from the start's motion; the scale stays.
