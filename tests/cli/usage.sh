@@ -32,8 +32,8 @@ expect 2 "--filter window: vehicle mode runs with" run hall-small --filter windo
 expect 2 "--filter group-iekf-fixed: vehicle mode runs with" \
   run hall-small --filter group-iekf-fixed --max-frames 2 --out out
 expect 2 "--scalar|half" consistency --runs 1 --heading-variance 0 --scalar half --out out
-expect 2 "filter 'ekf-fixed': expected one of" \
-  consistency --runs 1 --heading-variance 0 --filters ekf --scalar fixed --out out
+expect 2 "filter 'reduced-jacobian-fixed': expected one of" \
+  consistency --runs 1 --heading-variance 0 --filters reduced-jacobian --scalar fixed --out out
 for option in "--fading 1.01" "--measurement freak" "--estimate-focal-length"; do
   expect 2 "${option%% *}|--filter" \
     run hall-small --mode handheld --max-frames 2 $option --out out

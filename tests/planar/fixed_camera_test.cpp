@@ -108,8 +108,9 @@ void compare(bool distorts) {
     const CameraView<double> view = pair.double_view();
     // A point of the camera's view, in the world's axes from the vehicle.
     const double depth = 0.4 + 40.0 * std::pow(random.next() / 4294967296.0, 2.0);
-    const Vector3<double> seen(depth * (random.next() / 4294967296.0 - 0.5),
-                               depth * (random.next() / 4294967296.0 - 0.5), depth);
+    const double x = random.next() / 4294967296.0 - 0.5;
+    const double y = random.next() / 4294967296.0 - 0.5;
+    const Vector3<double> seen(depth * x, depth * y, depth);
     const Vector3<double> body = pair.tilted.T_level_vehicle() * (pair.T_vehicle_camera * seen);
     const double in_body[3] = {body.x(), body.y(), body.z()};
     double relative[3];

@@ -4,6 +4,7 @@
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
 #include "cairn/numeric/solve_positive_definite.hpp"
+#include "cairn/window/detail/window_cost.hpp"
 
 namespace cairn {
 namespace {
@@ -34,11 +35,6 @@ void tangents(const Vector3<T>& unit, Vector3<T>& u, Vector3<T>& v) {
   u = unit.cross(axis);
   u *= T(1) / sqrt(u.squaredNorm());
   v = unit.cross(u);
-}
-
-template <class T>
-T huber_cost(T distance, T huber) {
-  return distance < huber ? T(0.5) * distance * distance : huber * (distance - T(0.5) * huber);
 }
 
 template <class T>
@@ -100,7 +96,7 @@ class Linearised {
     const T scale = per_sigma / sqrt(slope);
     const T residual = scale * b.dot(line);
     const T distance = abs(residual);
-    cost += huber_cost(distance, huber);
+    cost += detail::window_cost(distance, huber);
     const T weight = distance < huber ? T(1) : huber / distance;
     const Vector3<T> turned = q.cross(across);
     const Vector3<T> moved = q.cross(b);

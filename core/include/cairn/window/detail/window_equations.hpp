@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/geometry/detail/spd_inverse.hpp"
+#include "cairn/window/detail/window_cost.hpp"
 #include "cairn/window/keyframe_window.hpp"
 
 namespace cairn {
@@ -16,16 +17,6 @@ Matrix<T, 6, 6> adjoint(const CameraStep<T>& step) {
   result.template bottomLeftCorner<3, 3>() = skew(step.translation) * step.rotation;
   return result;
 }
-
-/// Huber's cost of a residual of `distance` sigmas.
-template <class T>
-T window_cost(T distance, T huber) {
-  return distance < huber ? T(0.5) * distance * distance : huber * (distance - T(0.5) * huber);
-}
-
-/// Cost of an observation that has no direction in its keyframe.
-template <class T>
-inline constexpr T kHiddenCost = T(50);
 
 /// The focal length's part of the normal equations, from what one keyframe saw of one host.
 template <class T>

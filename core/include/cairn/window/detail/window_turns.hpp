@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/window/detail/window_cost.hpp"
 #include "cairn/window/keyframe_window.hpp"
 
 namespace cairn {
