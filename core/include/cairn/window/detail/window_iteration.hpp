@@ -80,7 +80,7 @@ int KeyframeWindow<T, Bounds>::step_work() const {
     observations += observers(landmark);
   }
   int units = kStepBase + kStepLandmark * landmarks + kStepObservation * observations;
-  if (!compared_ && left_ == 1) units *= 2;
+  if (!compared_) units *= 2;  // the last one compares two solutions
   return estimates_focal() ? units + units / kStepFocal : units;
 }
 
