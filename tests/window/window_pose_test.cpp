@@ -52,6 +52,51 @@ TEST(WindowPose, LeavesOutAThirdOfWrongSightings) {
   EXPECT_TRUE(sightings.all[1].inlier);
 }
 
+/// Distance from a camera that only turned to where its blurred pictures place it; the depths are
+/// unknown.
+double mean_error_of_blurred_turns(const WindowPoseOptions<double>& options) {
+  constexpr int kSeeds = 20;
+  double sum = 0.0;
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    Rigid<double> truth;
+    truth.rotation = rotation_exp(Vector3<double>(0.0, 0.02, 0.0));
+    Sightings sightings{Scene(static_cast<std::uint64_t>(seed)), truth};
+    Random random(static_cast<std::uint64_t>(1000 + seed));
+    const auto blur = [&] { return 1e-8 * random.below(2000000) - 0.01; };
+    for (WindowSighting<double>& s : sightings.all) {
+      s.sigma = 0.5 * s.rho;
+      const double x = blur();
+      const double y = blur();
+      s.seen += Vector2<double>(x, y);
+    }
+    Rigid<double> pose;
+    Matrix<double, 6, 6> covariance;
+    EXPECT_GT(estimate_window_pose(sightings.all, Scene::kPoints, options, pose, covariance), 0);
+    sum += sqrt(pose.inverse().translation.squaredNorm());
+  }
+  return sum / kSeeds;
+}
+
+TEST(WindowPose, AnExpectedCentreTellsATurnFromAMovement) {
+  WindowPoseOptions<double> options;
+  const double by_landmarks_alone = mean_error_of_blurred_turns(options);
+  options.centre_information = 1.0 / square(0.002);
+  EXPECT_LT(mean_error_of_blurred_turns(options), 0.5 * by_landmarks_alone);
+}
+
+TEST(WindowPose, AJerkIsBelievedAgainstTheExpectedCentre) {
+  const Rigid<double> truth = Scene::pose(8);
+  Sightings sightings{Scene(), truth};
+  WindowPoseOptions<double> options;
+  options.centre_information = 1.0 / square(0.004);
+  Rigid<double> pose;
+  Matrix<double, 6, 6> covariance;
+  EXPECT_EQ(estimate_window_pose(sightings.all, Scene::kPoints, options, pose, covariance),
+            Scene::kPoints);
+  EXPECT_GT(sqrt(truth.translation.squaredNorm()), 10 * 0.004);
+  EXPECT_LT(distance(pose, truth), 0.02 * sqrt(truth.translation.squaredNorm()));
+}
+
 TEST(WindowPose, RefusesFewerThanTwoSightings) {
   Sightings sightings{Scene(), Scene::pose(2)};
   Rigid<double> pose;

@@ -61,6 +61,17 @@ struct Normal {
       gradient(r) += weight * left(r);
     }
   }
+  void add_centre(const WindowPoseOptions<T>& options, const Rigid<T>& present) {
+    const Vector3<T> left =
+        present.rotation * Vector3<T>(present.inverse().translation - options.centre);
+    T weight = options.centre_information;
+    const T distance = sqrt(weight * left.squaredNorm());
+    if (distance > options.centre_huber_sigma) weight *= options.centre_huber_sigma / distance;
+    for (int r = 0; r < 3; ++r) {
+      information(3 + r, 3 + r) += weight;
+      gradient(3 + r) += weight * left(r);
+    }
+  }
   bool inverse(Matrix<T, 6, 6>& result) {
     // Turn and translation are nearly the same where little depth is known: a little of Levenberg's
     // damping keeps the step finite.
@@ -95,6 +106,7 @@ int estimate_window_pose(WindowSighting<T>* sightings, int count,
     if (options.attitude_information > T(0)) {
       normal.add_attitude(options.attitude, pose.rotation, options.attitude_information);
     }
+    if (options.centre_information > T(0)) normal.add_centre(options, pose);
     if (!normal.inverse(inverse)) return -1;
     const Vector<T, 6> step = inverse * normal.gradient;
     if (!is_finite(step.squaredNorm())) return -1;

@@ -64,8 +64,9 @@ class WindowTracker {
     typename Features::Parameters features;
     HandheldRotation::Parameters rotation;
     typename Memory::Parameters memory;
-    GyroParameters gyro;       ///< of the samples, where there are any
-    int guided_inliers = 5;    ///< with a gyroscope that agrees, in place of min_inliers
+    GyroParameters gyro;                 ///< of the samples, where there are any
+    float velocity_change_sigma = 1.0F;  ///< from frame to frame, depths a second; 0: anything
+    int guided_inliers = 5;              ///< with a gyroscope that agrees, in place of min_inliers
     float forget_s = 30.0F;    ///< after a loss; where nothing was recognised, the new map counts
     int astray_features = 10;  ///< searched in frames of which the memory takes points
     float keyframe_parallax_px = 12.0F;  ///< mean since the last keyframe, its rotation apart
@@ -92,7 +93,8 @@ class WindowTracker {
       const bool parts = ok(window.validate()) && ok(features.validate()) &&
                          ok(rotation.validate()) && ok(memory.validate()) && ok(gyro.validate()) &&
                          guided_inliers >= 4;
-      const bool good = parts && is_positive(sigma_px) && is_positive(keyframe_parallax_px) &&
+      const bool good = parts && is_positive(sigma_px) && is_finite(velocity_change_sigma) &&
+                        velocity_change_sigma >= 0.0F && is_positive(keyframe_parallax_px) &&
                         share(keyframe_share) && keyframe_frames >= 1 && is_finite(standing_px) &&
                         standing_px >= 0.0F && min_inliers >= 4 && share(min_inlier_share) &&
                         max_outliers >= 1 && max_outliers < 255 && is_finite(forget_s) &&
@@ -194,6 +196,10 @@ class WindowTracker {
   int first_radius(const FrameContext& frame, const FrameStep& step) const;
   bool first_agree(FrameContext& frame, Rigid<float>& pose);
   WindowPoseOptions<float> pose_options(const Rigid<float>& predicted) const;
+  float expected_inverse_depth() const {
+    return typical_inverse_depth_ > 0.0F ? typical_inverse_depth_
+                                         : parameters_.window.first_inverse_depth;
+  }
   int least_inliers() const {
     return gyro_.sure() ? parameters_.guided_inliers : parameters_.min_inliers;
   }
@@ -247,6 +253,7 @@ class WindowTracker {
   Matrix<float, 6, 6> covariance_ = Matrix<float, 6, 6>::Zero();
   Matrix3<float> attitude_[WindowBounds::kPoses];          ///< of keyframes, in world axes
   Matrix3<float> lost_attitude_ = Matrix3<float>::Zero();  ///< when tracking was lost
+  float step_s_ = 0.0F;                                    ///< since the frame before; 0 over a gap
   float blind_s_ = 0.0F;
   float blind_variance_ = 0.0F;  ///< of the turn while a gyroscope told it, rad^2
   float typical_inverse_depth_ = 0.0F;

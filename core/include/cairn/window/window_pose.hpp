@@ -31,6 +31,11 @@ struct WindowPoseOptions {
   /// 1/rad^2; 0: nothing is known of it.
   Quaternion<T> attitude = Quaternion<T>(T(1), T(0), T(0), T(0));
   T attitude_information = T(0);
+  /// Of the camera's centre, by constant velocity: world, and 1 / variance of each axis; 0: nothing
+  /// is known of it. Huber's cost: a hand may jerk.
+  Vector3<T> centre = Vector3<T>::Zero();
+  T centre_information = T(0);
+  T centre_huber_sigma = T(2);
 };
 
 /// Pose of a frame from landmarks that it sees, by iterated reweighted least squares. A landmark's

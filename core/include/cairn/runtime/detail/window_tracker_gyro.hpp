@@ -52,18 +52,6 @@ int WindowTracker<Config>::first_radius(const FrameContext& frame, const FrameSt
   return clamp(radius, p.narrow_radius_px, p.wide_radius_px);
 }
 
-/// With a gyroscope that agrees, the attitude that it predicts is one more observation.
-template <class Config>
-WindowPoseOptions<float> WindowTracker<Config>::pose_options(const Rigid<float>& predicted) const {
-  WindowPoseOptions<float> options;
-  options.sigma = parameters_.window.sigma / window_.focal_scale();
-  if (!gyro_.sure()) return options;
-  options.attitude = predicted.rotation;
-  options.attitude_information =
-      1.0F / (gyro_.turn_variance() + frame_covariance_.topLeftCorner<3, 3>().trace() / 3.0F);
-  return options;
-}
-
 /// Compares the gyroscope with the attitude by the landmarks alone: what it added to a pose is
 /// taken from it again.
 template <class Config>

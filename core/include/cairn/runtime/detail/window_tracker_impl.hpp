@@ -84,6 +84,7 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
 
 template <class Config>
 Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, StageTimer& timer) {
+  step_s_ = step.gap ? 0.0F : step.seconds();
   const Rigid<float> predicted = predict(frame, step);
   timer.end(Stage::kPosePrediction);
   takes_points_ = takes_points(frame);
@@ -130,12 +131,10 @@ Rigid<float> WindowTracker<Config>::predict(FrameContext& frame, const FrameStep
   const float dt_s = static_cast<float>(step.us) * 1e-6F;
   if (step.gap) motion_.forget();
   if (gyro_.sure()) return motion_.predict_turned(T_camera_world_, gyro_.turn().rotation, dt_s);
-  const float depth = typical_inverse_depth_ > 0.0F ? typical_inverse_depth_
-                                                    : parameters_.window.first_inverse_depth;
   const bool by_gyro = gyro_.predicts() && !step.gap && step.us > 0;
   const Vector3<float> rate =
       by_gyro ? Vector3<float>(gyro_.turn().rotation / dt_s) : motion_.rate_radps();
-  if (!step.gap && rotation_.seek(frame, rate, motion_.speed(), depth, dt_s)) {
+  if (!step.gap && rotation_.seek(frame, rate, motion_.speed(), expected_inverse_depth(), dt_s)) {
     return motion_.predict_turned(T_camera_world_, rotation_.rotation(), dt_s);
   }
   if (by_gyro) return motion_.predict_turned(T_camera_world_, gyro_.turn().rotation, dt_s);

@@ -106,8 +106,7 @@ void WindowTracker<Config>::note_weak(FrameContext& frame) {
 template <class Config>
 bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   const bool first = state_ == TrackingState::kInitialising;
-  window_.clear(typical_inverse_depth_ > 0.0F ? typical_inverse_depth_
-                                              : parameters_.window.first_inverse_depth);
+  window_.clear(expected_inverse_depth());
   follow_focal();
   features_.clear();
   motion_.forget();

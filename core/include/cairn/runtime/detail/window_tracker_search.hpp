@@ -82,6 +82,27 @@ bool WindowTracker<Config>::first_agree(FrameContext& frame, Rigid<float>& pose)
   return inliers >= parameters_.min_inliers && 4 * inliers >= 3 * found;
 }
 
+/// A hand keeps its velocity from frame to frame, nearly: an observation of the camera's centre,
+/// weighed as the landmarks are, whose errors count as independent. Where depths are unknown a
+/// movement explains a turn nearly as well, and this tells the two apart. With a gyroscope that
+/// agrees, the attitude that it predicts is one more observation.
+template <class Config>
+WindowPoseOptions<float> WindowTracker<Config>::pose_options(const Rigid<float>& predicted) const {
+  WindowPoseOptions<float> options;
+  options.sigma = parameters_.window.sigma / window_.focal_scale();
+  const float centre_sigma = parameters_.velocity_change_sigma * step_s_ /
+                             (expected_inverse_depth() * parameters_.covariance_factor);
+  if (centre_sigma > 0.0F) {
+    options.centre = predicted.inverse().translation;
+    options.centre_information = 1.0F / square(centre_sigma);
+  }
+  if (!gyro_.sure()) return options;
+  options.attitude = predicted.rotation;
+  options.attitude_information =
+      1.0F / (gyro_.turn_variance() + frame_covariance_.topLeftCorner<3, 3>().trace() / 3.0F);
+  return options;
+}
+
 template <class Config>
 int WindowTracker<Config>::gather(WindowSighting<float>* sightings, int* features) const {
   int count = 0;
