@@ -348,7 +348,9 @@ void add_settings(py::module_& module) {
       .CAIRN_FIELD(cairn_window_parameters, work_limit)
       .CAIRN_FIELD(cairn_window_parameters, max_step_us)
       .CAIRN_FIELD(cairn_window_parameters, seed)
-      .CAIRN_FIELD(cairn_window_parameters, gyro);
+      .CAIRN_FIELD(cairn_window_parameters, gyro)
+      .CAIRN_FIELD(cairn_window_parameters, row_time_s)
+      .CAIRN_FIELD(cairn_window_parameters, column_time_s);
 }
 
 #undef CAIRN_FIELD

@@ -37,6 +37,9 @@ void add_handheld_options(CLI::App& command, HandheldOptions& options) {
       .add_option("--focal-sigma", options.focal_sigma,
                   "Handheld: how well the focal length is known, as a share; 0: exactly")
       ->check(CLI::Range(0.0, 0.5));
+  command.add_option("--row-time", options.row_time_s,
+                     "Handheld: seconds from one row of the picture to the next (a rolling "
+                     "shutter's); 0: all at once");
 }
 
 void add_options(CLI::App& command, RunOptions& options) {
@@ -67,6 +70,10 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember({"wireframe", "shaded"}));
   command.add_flag("!--no-video", options.video, "Do not write the overlay video");
   command.add_flag("--view", options.view, "Show the run in a window; keys: space, s, q");
+  command
+      .add_option("--readout", options.hand_readout_ms,
+                  "The built-in hand-held camera reads a picture out in so many ms")
+      ->check(CLI::Range(0.0, 100.0));
   command.add_option("--odometry-noise", options.odometry_noise, "Noise of the hall's odometry")
       ->check(CLI::IsMember({"s1", "base"}))
       ->capture_default_str();

@@ -53,6 +53,7 @@ const Names& picture_options() {
                               "--focal-error",
                               "--estimate-focal-length",
                               "--focal-sigma",
+                              "--row-time",
                               "--gyro",
                               "--gyro-imu",
                               "--gyro-rotation",
@@ -116,6 +117,7 @@ const std::vector<RunKind>& run_kinds() {
   static const std::vector<RunKind> kinds = {
       {"hall", "", run_hall, hall},
       {"hall-small", "", run_hall_small, hall},
+      {"hall-hand", "", run_hall_hand, joined(picture_options(), {"--readout"})},
       {"stress", "FIELDS", run_stress, stress},
       {"seven-scenes", "DIR", run_seven_scenes, picture_options()},
       {"tag-board", "DIR", run_tag_board, picture_options()},

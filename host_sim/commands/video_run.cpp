@@ -25,6 +25,7 @@
 #include "host_sim/sources/cropped_source.hpp"
 #include "host_sim/sources/data_sets.hpp"
 #include "host_sim/sources/hall_source.hpp"
+#include "host_sim/sources/hand_source.hpp"
 #include "host_sim/sources/playback_source.hpp"
 #include "host_sim/sources/scaled_source.hpp"
 #include "host_sim/sources/stress_source.hpp"
@@ -148,6 +149,14 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
   }
   if (tracker.filter == kMonoFilter && options.handheld.focal_sigma) {
     throw UsageError("--focal-sigma: only for --filter window");
+  }
+  if (tracker.filter == kMonoFilter && options.handheld.row_time_s) {
+    throw UsageError("--row-time: only for --filter window");
+  }
+  if (tracker.filter != kWindowFilter && !source.readout.instant()) {
+    fmt::print(stderr,
+               "cairn_sim: warning: row_time and column_time of the camera are used by "
+               "--mode handheld --filter window alone\n");
   }
   if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
     throw UsageError("--measurement and the options beside it: only for --mode handheld");
@@ -345,6 +354,16 @@ ExitCode run_hall_small(const RunOptions& options, const std::string& /*argument
   hall.width = 320;
   hall.frame_count = options.max_frames.value_or(kHallSmallFrames);
   return run_source(make_hall_source(hall), options);
+}
+
+ExitCode run_hall_hand(const RunOptions& options, const std::string& /*argument*/) {
+  HandOptions hand;
+  hand.seed = options.seed;
+  hand.first_frame = options.first_frame.value_or(0);
+  if (hand.first_frame < 0) throw UsageError("--first-frame: the hall's frames start at 0");
+  hand.frame_count = options.max_frames;
+  hand.readout_s = 1e-3 * options.hand_readout_ms;
+  return run_source(make_hand_source(hand), options);
 }
 
 ExitCode run_stress(const RunOptions& options, const std::string& fields) {

@@ -12,6 +12,7 @@ namespace cairn::host {
 /// stages' table.
 ExitCode run_hall(const RunOptions& options, const std::string& argument);
 ExitCode run_hall_small(const RunOptions& options, const std::string& argument);
+ExitCode run_hall_hand(const RunOptions& options, const std::string& argument);
 /// `fields`: of the StressScene, NAME=VALUE,...
 ExitCode run_stress(const RunOptions& options, const std::string& fields);
 ExitCode run_seven_scenes(const RunOptions& options, const std::string& folder);

@@ -92,6 +92,30 @@ std::optional<double> read_focal_sigma(const CameraSection& root) {
   return sigma;
 }
 
+/// Time from a row, or column, to the next, of a picture with so many of them.
+float read_pixel_time(const CameraSection& root, const std::string& key, int count) {
+  if (!root.has(key)) return 0.0F;
+  const double time_s = root.number(key, "the time from one row or column to the next, s");
+  const double whole_s = std::abs(time_s) * count;
+  if (!(whole_s <= static_cast<double>(ReadoutTimes::kLongest_s))) {
+    root.fail(key, fmt::format("expected seconds from one row or column to the next, at most {} s "
+                               "for the whole picture, found {}, which makes {:.3g} s",
+                               ReadoutTimes::kLongest_s, time_s, whole_s));
+  }
+  return static_cast<float>(time_s);
+}
+
+ReadoutTimes read_readout(const CameraSection& root, const PinholeCamera<double>& camera) {
+  if (root.has("row_time") && root.has("line_delay")) {
+    root.fail("line_delay", "expected row_time or line_delay, found both");
+  }
+  const std::string rows = root.has("line_delay") ? "line_delay" : "row_time";
+  ReadoutTimes readout;
+  readout.row_time_s = read_pixel_time(root, rows, camera.height);
+  readout.column_time_s = read_pixel_time(root, "column_time", camera.width);
+  return readout;
+}
+
 /// The pixel nearest to the principal point on the way to a corner that has no ray.
 Vector2<double> first_pixel_without_ray(const PinholeCamera<double>& camera) {
   const Vector2<double> centre(camera.cx, camera.cy);
@@ -216,6 +240,7 @@ CameraFile read_camera_file(const fs::path& path, LensCheck lens) {
     file.T_body_camera = read_body_mounting(root);
     file.tilt = read_suspension(root);
     file.focal_sigma = read_focal_sigma(root);
+    file.readout = read_readout(root, file.camera);
   }
   check_intrinsics(file.camera, path);
   if (lens == LensCheck::kWholePicture) check_lens(file.camera, path);

@@ -8,6 +8,7 @@
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/planar/tilt.hpp"
+#include "cairn/tracking/rolling_shutter.hpp"
 
 namespace cairn::host {
 
@@ -21,6 +22,8 @@ struct CameraFile {
   std::optional<Rigid<double>> T_body_camera;
   /// Key `focal_sigma`, where given: relative standard deviation of the focal length.
   std::optional<double> focal_sigma;
+  /// Keys `row_time` (also Kalibr's `line_delay`) and `column_time`, where given, s.
+  ReadoutTimes readout;
   std::string format;  ///< which format it was read as
 };
 

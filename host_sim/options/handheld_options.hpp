@@ -15,8 +15,10 @@ struct HandheldOptions {
   /// Window alone: how well the focal length is known, relative. Empty: as the source says, else
   /// the tracker's own.
   std::optional<double> focal_sigma;
+  /// Window alone: time from a row of the picture to the next, s. Empty: as the source says.
+  std::optional<double> row_time_s;
 
-  bool is_default() const { return is_in_log() && !focal_sigma; }
+  bool is_default() const { return is_in_log() && !focal_sigma && !row_time_s; }
   /// Whether an input log says all of it.
   bool is_in_log() const {
     return measurement.empty() && !corner_score && !sigma_px && focal_error == 0.0 &&

@@ -132,6 +132,7 @@ std::unique_ptr<FrameSource> make_euroc_source(const fs::path& folder, const fs:
   info.camera = camera.camera;
   info.T_body_camera = camera.T_body_camera;
   info.focal_sigma = camera.focal_sigma;
+  info.readout = camera.readout;
   info.inputs.push_back(list);
   std::vector<SequenceFrame> frames = read_frames(list);
   std::vector<std::int64_t> times;

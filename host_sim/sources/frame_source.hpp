@@ -13,6 +13,7 @@
 #include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/angular_rate.hpp"
 #include "cairn/tracking/frame_report.hpp"
+#include "cairn/tracking/rolling_shutter.hpp"
 
 namespace cairn::host {
 
@@ -53,6 +54,7 @@ struct SourceInfo {
   PinholeCamera<double> camera;
   /// Relative standard deviation of the camera's focal length, where it is known.
   std::optional<double> focal_sigma;
+  ReadoutTimes readout;  ///< of the pictures; 0: all pixels at once
   /// Where the camera sits on the vehicle; the identity for handheld sources.
   Rigid<double> T_vehicle_camera;
   std::optional<OdometryModel> odometry;  ///< absent: handheld

@@ -19,7 +19,7 @@ constexpr double kFrameRate = 30.0;
 constexpr double kWheelbase = 0.5;
 constexpr double kSamplesPerResearchStep = 3.0;  // 10 Hz noise figures, 30 Hz samples
 constexpr double kTiltTime_s = 0.5;
-constexpr double kDegree = kPi<double> / 180.0;
+constexpr double kDegree_rad = kPi<double> / 180.0;
 
 PinholeCamera<double> hall_camera(int width) {
   PinholeCamera<double> camera;
@@ -34,7 +34,7 @@ PinholeCamera<double> hall_camera(int width) {
 Rigid<double> hall_mounting() {
   double sine = 0.0;
   double cosine = 0.0;
-  sin_cos(4.0 * kDegree, sine, cosine);
+  sin_cos(4.0 * kDegree_rad, sine, cosine);
   Matrix3<double> R_vehicle_camera;        // columns: image right, image down, optical axis
   R_vehicle_camera << 0.0, -sine, cosine,  //
       -1.0, 0.0, 0.0,                      //
@@ -73,7 +73,7 @@ class HallSource final : public FrameSource {
     odometry.kind = OdometrySample::Kind::kAckermann;
     const double density = std::sqrt(kSamplesPerResearchStep);
     odometry.speed_sigma_mps = density * (options.base_noise ? 0.05 : 0.1);
-    odometry.turn_sigma = density * (options.base_noise ? 2.0 : 5.0) * kDegree;
+    odometry.turn_sigma = density * (options.base_noise ? 2.0 : 5.0) * kDegree_rad;
     odometry.wheelbase_m = kWheelbase;
     odometry.period_s = 1.0 / kFrameRate;
     info_.odometry = odometry;

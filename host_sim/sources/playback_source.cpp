@@ -42,6 +42,7 @@ class MemorySource final : public FrameSource {
 };
 
 void describe(const Playback& playback, SourceInfo& info) {
+  info.readout = played_readout(info.readout, playback);
   info.note += fmt::format("{}played {}, every {} frame(s)", info.note.empty() ? "" : "; ",
                            playback.backward ? "backward" : "forward", playback.every);
   info.frame_rate_hz /= playback.every;
@@ -115,6 +116,11 @@ std::vector<Frame> play(const std::vector<Frame>& frames, const Playback& playba
     }
   }
   return played;
+}
+
+ReadoutTimes played_readout(const ReadoutTimes& readout, const Playback& playback) {
+  if (!playback.backward) return readout;
+  return {-readout.row_time_s, -readout.column_time_s};
 }
 
 std::vector<Frame> read_frames(FrameSource& source) {

@@ -22,6 +22,9 @@ struct Playback {
 /// Pictures are shared, not copied.
 std::vector<Frame> play(const std::vector<Frame>& frames, const Playback& playback);
 
+/// Of pictures played so: backwards, the last row comes first.
+ReadoutTimes played_readout(const ReadoutTimes& readout, const Playback& playback);
+
 /// Every frame left in `source`, with pictures of its own.
 std::vector<Frame> read_frames(FrameSource& source);
 

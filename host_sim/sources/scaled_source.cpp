@@ -38,6 +38,8 @@ class ScaledSource final : public FrameSource {
     camera.cy = centre.y();
     camera.width = width;
     camera.height = height;
+    info_.readout.column_time_s /= static_cast<float>(scale_.x());
+    info_.readout.row_time_s /= static_cast<float>(scale_.y());
   }
 
   const SourceInfo& info() const override { return info_; }

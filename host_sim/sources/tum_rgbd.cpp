@@ -60,6 +60,7 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
     info.camera = file.camera;
     info.T_body_camera = file.T_body_camera;
     info.focal_sigma = file.focal_sigma;
+    info.readout = file.readout;
     info.inputs.push_back(camera_file);
   }
   info.frame_rate_hz = 30.0;

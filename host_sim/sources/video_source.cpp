@@ -61,6 +61,7 @@ class VideoSource final : public FrameSource {
     info_.name = options.live ? "camera" : "video";
     info_.camera = camera_.camera;
     info_.T_body_camera = camera_.T_body_camera;
+    info_.readout = camera_.readout;
     if (!info_.focal_sigma) info_.focal_sigma = camera_.focal_sigma;
     info_.frame_rate_hz = media.rate_hz;
     info_.frame_count = media.frame_count;

@@ -32,6 +32,7 @@ class WindowAdapter : public Tracker {
     parameters.window.focal_sigma =
         static_cast<float>(window_focal_sigma_e4(options.handheld, source)) / 10000.0F;
     if (source.gyro) parameters.gyro = *source.gyro;
+    parameters.readout = window_readout(options.handheld, source);
     PinholeCamera<double> camera = source.camera;
     camera.fx *= 1.0 + options.handheld.focal_error;
     camera.fy *= 1.0 + options.handheld.focal_error;
@@ -124,6 +125,19 @@ std::uint16_t window_focal_sigma_e4(const HandheldOptions& options, const Source
       static_cast<double>(WindowTracker<DefaultConfig>::Parameters().window.focal_sigma);
   const double sigma = options.focal_sigma.value_or(source.focal_sigma.value_or(own));
   return static_cast<std::uint16_t>(std::lround(1e4 * sigma));
+}
+
+ReadoutTimes window_readout(const HandheldOptions& options, const SourceInfo& source) {
+  ReadoutTimes readout = source.readout;
+  if (options.row_time_s) readout.row_time_s = static_cast<float>(*options.row_time_s);
+  const PinholeCamera<double>& camera = source.camera;
+  if (!ok(readout.validate(camera.width, camera.height))) {
+    throw UsageError(
+        fmt::format("--row-time {}: expected seconds from one row to the next, at "
+                    "most {} s for all {} rows",
+                    readout.row_time_s, ReadoutTimes::kLongest_s, camera.height));
+  }
+  return readout;
 }
 
 std::unique_ptr<Tracker> make_window_tracker(const TrackerOptions& options,

@@ -275,6 +275,10 @@ static void a_window_starts_and_resets(void) {
   CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, &kCamera, &parameters,
                                 &w) == CAIRN_BAD_CONFIG);
   parameters.gyro.qw = 1.0F;
+  parameters.row_time_s = 0.01F;
+  CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, &kCamera, &parameters,
+                                &w) == CAIRN_BAD_CONFIG);
+  parameters.row_time_s = 0.0F;
   parameters.focal_sigma = -0.01F;
   CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, &kCamera, &parameters,
                                 &w) == CAIRN_BAD_CONFIG);

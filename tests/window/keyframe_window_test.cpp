@@ -75,6 +75,28 @@ TEST(KeyframeWindow, FindsItInSinglePrecisionWithThePrior) {
   EXPECT_LT(drive.depth_error(), 0.03F);
 }
 
+TEST(KeyframeWindow, AnAmendedDirectionIsTheNewestKeyframesAlone) {
+  Drive<double> drive;
+  drive.keyframe(0, 0.0);
+  drive.keyframe(3, 0.0);
+  Vector2<double> seen;
+  const Vector2<double> better(0.1, -0.2);
+  const std::uint64_t before = drive.hash();
+  drive.window.amend(drive.slots[2], better);
+  ASSERT_TRUE(drive.window.newest_sees(drive.slots[2], seen));
+  EXPECT_LT((seen - better).norm(), 1e-12);
+  EXPECT_EQ(drive.hash(), before);
+  // Of a landmark that it sees first, the ray too: at the keyframe itself it is seen there.
+  drive.window.begin_keyframe(WindowScene<double>::pose(6));
+  const int slot = drive.window.add_landmark(1000, Vector2<double>(0.3, 0.3));
+  ASSERT_GE(slot, 0);
+  drive.window.amend(slot, better);
+  ASSERT_TRUE(drive.window.project(slot, WindowScene<double>::pose(6), seen));
+  EXPECT_LT((seen - better).norm(), 1e-9);
+  drive.window.amend(drive.slots[2], better);
+  EXPECT_FALSE(drive.window.newest_sees(drive.slots[2], seen));
+}
+
 /// Depth error after three keyframes that begin in the mirrored world: the camera is believed to
 /// have moved the other way and to have turned instead, so that the middle of the relief looks the
 /// same.

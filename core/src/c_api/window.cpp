@@ -32,6 +32,8 @@ Tracker::Parameters parameters_from(const cairn_window_parameters& from) {
   to.gyro.bias_walk = from.gyro.bias_walk;
   to.gyro.time_sigma_s = from.gyro.time_sigma_s;
   to.gyro.range_radps = from.gyro.range_radps;
+  to.readout.row_time_s = from.row_time_s;
+  to.readout.column_time_s = from.column_time_s;
   return to;
 }
 
@@ -47,7 +49,9 @@ cairn_window_parameters cairn_window_default_parameters(void) {
           from.max_step_us,
           from.seed,
           {q.w(), q.x(), q.y(), q.z(), gyro.noise_density, gyro.bias_sigma_radps, gyro.bias_walk,
-           gyro.time_sigma_s, gyro.range_radps}};
+           gyro.time_sigma_s, gyro.range_radps},
+          from.readout.row_time_s,
+          from.readout.column_time_s};
 }
 
 cairn_status cairn_window_initialise(void* memory, size_t bytes, const cairn_camera* camera,

@@ -120,12 +120,14 @@ class Worker {
   WindowResult track(const Window& window) const {
     const auto begin = frames_.begin() + static_cast<std::ptrdiff_t>(window.first);
     const std::vector<Frame> cut(begin, begin + settings_.window_frames);
-    const auto source = make_memory_source(info_, play(cut, window.playback));
+    SourceInfo info = info_;
+    info.readout = played_readout(info_.readout, window.playback);
+    const auto source = make_memory_source(info, play(cut, window.playback));
     TrackerOptions options;
     options.mode = Mode::kHandheld;
     options.filter = settings_.filter;
     options.seed = window.seed;
-    const std::unique_ptr<Tracker> tracker = make_tracker(options, info_);
+    const std::unique_ptr<Tracker> tracker = make_tracker(options, info);
     RunnerSettings runner;
     runner.video = false;
     runner.pictures = 0;

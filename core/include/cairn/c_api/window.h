@@ -66,6 +66,8 @@ typedef struct cairn_window_parameters {
   int64_t max_step_us; /**< a longer gap between frames is not integrated */
   uint64_t seed;       /**< of RANSAC */
   cairn_gyro_parameters gyro; /**< where there is one */
+  float row_time_s;    /**< rolling shutter: from a row of the picture to the next; 0: none */
+  float column_time_s; /**< the same of a picture turned by 90 degrees, column to column */
 } cairn_window_parameters;
 
 /** Parameters as the tracker has them by default. */

@@ -9,6 +9,7 @@
 #include "cairn/tracking/handheld_gyro.hpp"
 #include "cairn/tracking/handheld_rotation.hpp"
 #include "cairn/tracking/repeated_image.hpp"
+#include "cairn/tracking/rolling_shutter.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/window_features.hpp"
 #include "cairn/tracking/window_memory.hpp"
@@ -23,6 +24,10 @@ inline constexpr int kWindowNewest = 130;  ///< of a keyframe: the one to drop, 
 /// estimate_window_pose() with `sightings`, ten iterations.
 inline constexpr int window_pose(int sightings) {
   return 20 + 8 * sightings;
+}
+/// What a rolling shutter takes, of all features in a frame.
+inline constexpr int rolling_shutter(int features) {
+  return 3 * features;
 }
 /// ShrunkImage::take().
 inline constexpr int shrunk_image(int width, int height) {
@@ -64,7 +69,8 @@ class WindowTracker {
     typename Features::Parameters features;
     HandheldRotation::Parameters rotation;
     typename Memory::Parameters memory;
-    GyroParameters gyro;                 ///< of the samples, where there are any
+    GyroParameters gyro;  ///< of the samples, where there are any
+    ReadoutTimes readout;
     float velocity_change_sigma = 1.0F;  ///< from frame to frame, depths a second; 0: anything
     int guided_inliers = 5;              ///< with a gyroscope that agrees, in place of min_inliers
     float forget_s = 30.0F;    ///< after a loss; where nothing was recognised, the new map counts
@@ -208,7 +214,11 @@ class WindowTracker {
   void note_gyro_keyframe();
   void bridge(FrameContext& frame);
   Vector2<float> expected_pixel(const WindowFeature& feature, const Rigid<float>& predicted) const;
-  int gather(WindowSighting<float>* sightings, int* features) const;
+  void expose(const Rigid<float>& pose);
+  Vector2<float> seen_direction(const WindowFeature& feature, const Rigid<float>& pose) const;
+  Vector2<float> skewed(const Vector2<float>& direction, const WindowFeature& feature,
+                        const RollingShutter& shutter, const Rigid<float>& pose) const;
+  int gather(const Rigid<float>& pose);
   int estimate(FrameContext& frame, const Rigid<float>& predicted, Rigid<float>& pose);
   void accept(FrameContext& frame, const Rigid<float>& pose, const FrameStep& step);
   void remove(FrameContext& frame, int i);
@@ -218,6 +228,7 @@ class WindowTracker {
   bool wants_keyframe(const ViewChange& change) const;
   bool make_keyframe(FrameContext& frame, bool moved);
   void observe_features();
+  void amend_keyframe(const RollingShutter& shutter);
   void improve_window(FrameContext& frame);
   void note_weak(FrameContext& frame);
   bool begin_anew(FrameContext& frame);
@@ -238,6 +249,8 @@ class WindowTracker {
   Features features_;
   Memory memory_;
   WindowMotion motion_;
+  RollingShutter shutter_;         ///< of the present frame
+  RollingShutter shutter_before_;  ///< of the frame that T_camera_world_ is of
   HandheldGyro gyro_;
   HandheldRotation rotation_;
   FrameInput input_;

@@ -3,6 +3,7 @@
 #include "cairn/base/fixed_vector.hpp"
 #include "cairn/tracking/appearance.hpp"
 #include "cairn/tracking/frame_context.hpp"
+#include "cairn/tracking/rolling_shutter.hpp"
 #include "cairn/vision/shrunk_image.hpp"
 #include "cairn/vision/template_search.hpp"
 #include "cairn/vision/texture_points.hpp"
@@ -49,8 +50,9 @@ inline constexpr int window_landmark(int cell) {
 
 /// A landmark of the window that is followed from frame to frame.
 struct WindowFeature {
-  int slot = -1;                                   ///< in the window
-  Vector2<float> pixel = Vector2<float>::Zero();   ///< where it was seen last, or expected
+  int slot = -1;                                           ///< in the window
+  Vector2<float> pixel = Vector2<float>::Zero();           ///< where it was seen last, or expected
+  Vector2<float> keyframe_pixel = Vector2<float>::Zero();  ///< in the newest keyframe
   Vector2<float> offset = Vector2<float>::Zero();  ///< of `pixel` from the templates' centre
   SmallTemplate full;
   SmallTemplate coarse;  ///< of the shrunk image
@@ -132,8 +134,8 @@ class WindowFeatures {
   /// Units of work that add() takes at most, if the frame affords them.
   int new_work(const FrameContext& frame);
   /// Adds landmarks to the window's newest keyframe, in parts of the picture without features, as
-  /// many as the frame's work affords.
-  int add(FrameContext& frame, Window& window, LandmarkId& next_id);
+  /// many as the frame's work affords. `shutter`: of the frame.
+  int add(FrameContext& frame, Window& window, const RollingShutter& shutter, LandmarkId& next_id);
   /// Adds a feature for a landmark that the window has, seen by the newest keyframe. False where
   /// there is no room, or no template.
   bool add_known(const FrameContext& frame, int slot, const Vector2<float>& pixel);
@@ -162,6 +164,10 @@ class WindowFeatures {
     pixel = Vector2<float>(shrunk_.to_picture(static_cast<float>(match.x_q8) / kQ8),
                            shrunk_.to_picture(static_cast<float>(match.y_q8) / kQ8));
     return true;
+  }
+  /// The present frame is the newest keyframe.
+  void note_keyframe() {
+    for (WindowFeature& feature : features_) feature.keyframe_pixel = feature.pixel;
   }
   /// The frame's shrunk image.
   ImageView shrunk() const { return shrunk_.view(); }

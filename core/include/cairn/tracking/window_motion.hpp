@@ -38,6 +38,8 @@ class WindowMotion {
   bool moves() const { return velocity_.squaredNorm() > 0.0F; }
   /// In the axes of the camera, rad/s.
   Vector3<float> rate_radps() const { return -phi_; }
+  /// In depths a second, as the translation of T_camera_world changes.
+  const Vector3<float>& velocity() const { return velocity_; }
   float speed() const { return sqrt(velocity_.squaredNorm()); }
 
  private:

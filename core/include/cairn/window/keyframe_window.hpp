@@ -107,6 +107,8 @@ class KeyframeWindow {
   void observe(int slot, const Vector2<T>& seen);
   /// The same of a direction that the frame's pose does not explain: used for the start alone.
   void doubt(int slot, const Vector2<T>& seen);
+  /// Where the newest keyframe saw a landmark, if it did, is known better now.
+  void amend(int slot, const Vector2<T>& seen);
   /// A landmark that the newest keyframe sees first, its depth from those that are known (of the
   /// present view), else from the prior. Its slot, -1 when full.
   int add_landmark(LandmarkId id, const Vector2<T>& seen);
@@ -154,6 +156,10 @@ class KeyframeWindow {
   /// Where a camera sees the landmark. False where it is behind it.
   bool project(int slot, const Rigid<T>& T_camera_world, Vector2<T>& seen) const;
   Vector3<T> position(int slot) const;  ///< world
+  /// Inverse depth in a camera; 0 where the landmark is behind it.
+  T inverse_depth_in(int slot, const Rigid<T>& T_camera_world) const;
+  /// Of a landmark that the newest keyframe sees first.
+  T expected_inverse_depth();
   /// Median inverse depth, in a view, of the landmarks known to a third of their depth; 0 with
   /// fewer than eight.
   T typical_inverse_depth(const Rigid<T>& T_camera_world) const;
@@ -259,7 +265,6 @@ class KeyframeWindow {
   void take_start();
   void compare_start();
   T start_depths(const StartView& view, T* rho);
-  T depth_in(const Rigid<T>& T_camera_world, int slot) const;
   void start_poses(const StartView& view, const T* rho);
   void start_hosts(const StartView& view, const T* rho, T typical);
   void assess();

@@ -9,6 +9,7 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
                                          const Parameters& parameters) {
   Status status = FrameInput::check_camera(camera, Config::kMaxImageWidth, Config::kMaxImageHeight);
   if (ok(status)) status = parameters.validate();
+  if (ok(status)) status = parameters.readout.validate(camera.width, camera.height);
   if (!ok(status)) return status;
   Parameters scaled = parameters.scaled_to(camera.width, camera.height);
   scaled.window.sigma = scaled.sigma_px / camera.fx;
@@ -20,6 +21,8 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   features_.reset(scaled.features);
   memory_.reset(scaled.memory);
   motion_.reset();
+  shutter_.reset(parameters.readout, camera.width, camera.height);
+  shutter_before_ = shutter_;
   gyro_.reset(parameters.gyro);
   rotation_.reset(parameters.rotation);
   input_.reset(parameters.max_step_us);
@@ -86,6 +89,7 @@ template <class Config>
 Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, StageTimer& timer) {
   step_s_ = step.gap ? 0.0F : step.seconds();
   const Rigid<float> predicted = predict(frame, step);
+  if (shutter_.used()) frame.work.spend(work::rolling_shutter(features_.size()));
   timer.end(Stage::kPosePrediction);
   takes_points_ = takes_points(frame);
   find_features(frame, step, predicted);
@@ -147,7 +151,7 @@ template <class Config>
 int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& predicted,
                                     Rigid<float>& pose) {
   const WindowPoseOptions<float> options = pose_options(predicted);
-  const int found = gather(sightings_, sighted_);
+  const int found = gather(predicted);
   frame.work.spend(work::window_pose(found));
   pose = predicted;
   Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
@@ -186,6 +190,9 @@ void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose
       ++feature.outliers;
     }
   }
+  expose(pose);
+  if (shutter_.used() && since_keyframe_ == 1) amend_keyframe(shutter_before_.with_next(shutter_));
+  shutter_before_ = shutter_;
   motion_.note(T_camera_world_, pose, static_cast<float>(step.us) * 1e-6F);
   T_camera_world_ = pose;
   weak_frames_ = 0;
@@ -242,9 +249,8 @@ typename WindowTracker<Config>::ViewChange WindowTracker<Config>::view_change() 
     Vector2<float> before;
     if (!window_.newest_sees(features_[i].slot, before)) continue;
     const Vector3<float> p = rotation * Vector3<float>(before.x(), before.y(), 1.0F);
-    const Vector3<float> ray = camera_.unproject(features_[i].pixel);
     if (!(p.z() > 0.0F)) continue;
-    const Vector2<float> seen(ray.x(), ray.y());
+    const Vector2<float> seen = seen_direction(features_[i], T_camera_world_);
     change.flow += sqrt((seen - before).squaredNorm());
     change.parallax += sqrt((seen - Vector2<float>(p.x(), p.y()) / p.z()).squaredNorm());
     ++change.common;

@@ -11,13 +11,26 @@ void WindowTracker<Config>::observe_features() {
   for (int i = 0; i < features_.size(); ++i) {
     const WindowFeature& feature = features_[i];
     if (!feature.found) continue;
-    const Vector3<float> ray = camera_.unproject(feature.pixel);
-    const Vector2<float> direction(ray.x(), ray.y());
+    const Vector2<float> direction = seen_direction(feature, T_camera_world_);
     if (feature.outliers == 0) {
       window_.observe(feature.slot, direction);
     } else if (!window_.settled()) {
       window_.doubt(feature.slot, direction);
     }
+  }
+}
+
+/// The frame before is the newest keyframe, and how it moved is known better now.
+template <class Config>
+void WindowTracker<Config>::amend_keyframe(const RollingShutter& shutter) {
+  const Rigid<float>& keyframe = window_.newest_pose();
+  for (int i = 0; i < features_.size(); ++i) {
+    const WindowFeature& feature = features_[i];
+    const Vector2<float>& pixel = feature.keyframe_pixel;
+    const Vector3<float> ray = camera_.unproject(pixel);
+    window_.amend(feature.slot,
+                  shutter.at_frame_time(Vector2<float>(ray.x(), ray.y()), pixel,
+                                        window_.inverse_depth_in(feature.slot, keyframe)));
   }
 }
 
@@ -34,7 +47,8 @@ bool WindowTracker<Config>::make_keyframe(FrameContext& frame, bool moved) {
   }
   observe_features();
   features_.renew_templates(frame);
-  const int added = features_.add(frame, window_, next_id_);
+  const int added = features_.add(frame, window_, shutter_, next_id_);
+  features_.note_keyframe();
   at_keyframe_ = features_.size();
   window_.finish_keyframe(moved);
   since_keyframe_ = keyframe_work_ = 0;
@@ -110,6 +124,7 @@ bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   follow_focal();
   features_.clear();
   motion_.forget();
+  shutter_.forget_motion();
   weak_frames_ = 0;
   static_cast<void>(make_keyframe(frame, true));
   if (features_.size() >= parameters_.min_inliers) {

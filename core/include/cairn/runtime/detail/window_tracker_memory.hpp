@@ -64,7 +64,7 @@ void WindowTracker<Config>::return_to_map(FrameContext& frame) {
   note_gyro_keyframe();
   memory_.take_place(frame, window_, features_);
   observe_features();
-  static_cast<void>(features_.add(frame, window_, next_id_));
+  static_cast<void>(features_.add(frame, window_, shutter_, next_id_));
   at_keyframe_ = features_.size();
   window_.finish_keyframe();
   since_keyframe_ = weak_frames_ = 0;

@@ -14,8 +14,12 @@ Vector2<float> WindowTracker<Config>::expected_pixel(const WindowFeature& featur
   Vector2<float> pixel_before;
   Vector2<float> pixel_after;
   if (!window_.project(feature.slot, T_camera_world_, before) ||
-      !window_.project(feature.slot, predicted, after) ||
-      !ok(camera_.project(Vector3<float>(before.x(), before.y(), 1.0F), pixel_before)) ||
+      !window_.project(feature.slot, predicted, after)) {
+    return feature.pixel;
+  }
+  before = skewed(before, feature, shutter_before_, T_camera_world_);
+  after = skewed(after, feature, shutter_, predicted);
+  if (!ok(camera_.project(Vector3<float>(before.x(), before.y(), 1.0F), pixel_before)) ||
       !ok(camera_.project(Vector3<float>(after.x(), after.y(), 1.0F), pixel_after))) {
     return feature.pixel;
   }
@@ -54,6 +58,7 @@ template <class Config>
 void WindowTracker<Config>::find_features(FrameContext& frame, const FrameStep& step,
                                           const Rigid<float>& predicted) {
   const typename Features::Parameters& p = parameters_.features;
+  expose(predicted);
   const int most = takes_points_ ? parameters_.astray_features : features_.size();
   const int all = most < features_.size() ? most : features_.size();
   const int first = p.first_features < all ? p.first_features : all;
@@ -76,7 +81,7 @@ template <class Config>
 bool WindowTracker<Config>::first_agree(FrameContext& frame, Rigid<float>& pose) {
   Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
   const WindowPoseOptions<float> options = pose_options(pose);
-  const int found = gather(sightings_, sighted_);
+  const int found = gather(pose);
   frame.work.spend(work::window_pose(found));
   const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
   return inliers >= parameters_.min_inliers && 4 * inliers >= 3 * found;
@@ -103,16 +108,51 @@ WindowPoseOptions<float> WindowTracker<Config>::pose_options(const Rigid<float>&
   return options;
 }
 
+/// The movement since the frame before is that of the picture's readout; the turn is the
+/// gyroscope's, where it agrees.
 template <class Config>
-int WindowTracker<Config>::gather(WindowSighting<float>* sightings, int* features) const {
+void WindowTracker<Config>::expose(const Rigid<float>& pose) {
+  if (!shutter_.used()) return;
+  if (!(step_s_ > 0.0F)) return shutter_.forget_motion();
+  WindowMotion motion;
+  motion.note(T_camera_world_, pose, step_s_);
+  const Vector3<float> rate = gyro_.sure() ? gyro_.turn().rate_after : motion.rate_radps();
+  shutter_.set_motion(-rate, motion.velocity());
+}
+
+/// Direction of a feature at the frame's time.
+template <class Config>
+Vector2<float> WindowTracker<Config>::seen_direction(const WindowFeature& feature,
+                                                     const Rigid<float>& pose) const {
+  const Vector3<float> ray = camera_.unproject(feature.pixel);
+  const Vector2<float> seen(ray.x(), ray.y());
+  if (!shutter_.used()) return seen;
+  return shutter_.at_frame_time(seen, feature.pixel, window_.inverse_depth_in(feature.slot, pose));
+}
+
+/// Direction in which the picture shows a feature that a camera sees along `direction` at the
+/// frame's time, by the moment of the pixel where it was seen last.
+template <class Config>
+Vector2<float> WindowTracker<Config>::skewed(const Vector2<float>& direction,
+                                             const WindowFeature& feature,
+                                             const RollingShutter& shutter,
+                                             const Rigid<float>& pose) const {
+  if (!shutter.used()) return direction;
+  return shutter.at_pixel_time(direction, feature.pixel,
+                               window_.inverse_depth_in(feature.slot, pose));
+}
+
+/// What the frame found, as it would be seen at its time from `pose`.
+template <class Config>
+int WindowTracker<Config>::gather(const Rigid<float>& pose) {
+  expose(pose);
   int count = 0;
   for (int i = 0; i < features_.size(); ++i) {
     const WindowFeature& feature = features_[i];
     if (!feature.found) continue;
-    const Vector3<float> ray = camera_.unproject(feature.pixel);
-    sightings[count] = window_.sighting(feature.slot);
-    sightings[count].seen = Vector2<float>(ray.x(), ray.y());
-    features[count++] = i;
+    sightings_[count] = window_.sighting(feature.slot);
+    sightings_[count].seen = seen_direction(feature, pose);
+    sighted_[count++] = i;
   }
   return count;
 }

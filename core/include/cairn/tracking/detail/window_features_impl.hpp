@@ -89,7 +89,8 @@ int WindowFeatures<Config>::new_work(const FrameContext& frame) {
 }
 
 template <class Config>
-int WindowFeatures<Config>::add(FrameContext& frame, Window& window, LandmarkId& next_id) {
+int WindowFeatures<Config>::add(FrameContext& frame, Window& window, const RollingShutter& shutter,
+                                LandmarkId& next_id) {
   constexpr int kMargin = 12;  // what the templates need
   if (features_.full()) return 0;
   open_cells(frame);
@@ -111,7 +112,9 @@ int WindowFeatures<Config>::add(FrameContext& frame, Window& window, LandmarkId&
     take_templates(frame, feature);
     if (!feature.has_templates) continue;
     const Vector3<float> ray = frame.camera.unproject(feature.pixel);
-    feature.slot = window.add_landmark(next_id, Vector2<float>(ray.x(), ray.y()));
+    const Vector2<float> seen = shutter.at_frame_time(Vector2<float>(ray.x(), ray.y()), pixel,
+                                                      window.expected_inverse_depth());
+    feature.slot = window.add_landmark(next_id, seen);
     if (feature.slot < 0) {
       ++frame.health.landmarks_refused;
       break;

@@ -154,6 +154,15 @@ void KeyframeWindow<T, Bounds>::doubt(int slot, const Vector2<T>& seen) {
 }
 
 template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::amend(int slot, const Vector2<T>& seen) {
+  const int place = order_.back();
+  Landmark& landmark = landmarks_[slot];
+  if (!landmark.used || (((landmark.seen | landmark.doubted) >> place) & 1) == 0) return;
+  observed_[place][slot] = as_told(seen);
+  if (landmark.host == newest()) landmark.ray = observed_[place][slot];
+}
+
+template <class T, class Bounds>
 bool KeyframeWindow<T, Bounds>::newest_sees(int slot, Vector2<T>& seen) const {
   const int place = order_.back();
   if (!landmarks_[slot].used || ((landmarks_[slot].seen >> place) & 1) == 0) return false;
@@ -162,12 +171,17 @@ bool KeyframeWindow<T, Bounds>::newest_sees(int slot, Vector2<T>& seen) const {
 }
 
 template <class T, class Bounds>
-int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& seen) {
+T KeyframeWindow<T, Bounds>::expected_inverse_depth() {
   if (!(new_depth_ > T(0))) {
     const T typical = typical_inverse_depth(newest_pose());
     new_depth_ = typical > T(0) ? typical : parameters_.first_inverse_depth;
   }
-  const T prior = new_depth_;
+  return new_depth_;
+}
+
+template <class T, class Bounds>
+int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& seen) {
+  const T prior = expected_inverse_depth();
   const int slot =
       add_known_landmark(id, newest(), seen, prior, parameters_.depth_prior_sigma * prior);
   if (slot >= 0) observe(slot, seen);
@@ -271,6 +285,14 @@ bool KeyframeWindow<T, Bounds>::project(int slot, const Rigid<T>& T_camera_world
   if (!view.project(step, as_estimated(landmarks_[slot].ray), now().rho[slot])) return false;
   seen = view.seen;
   return true;
+}
+
+template <class T, class Bounds>
+T KeyframeWindow<T, Bounds>::inverse_depth_in(int slot, const Rigid<T>& T_camera_world) const {
+  InverseDepthView<T> view;
+  const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
+  if (!view.project(step, as_estimated(landmarks_[slot].ray), now().rho[slot])) return T(0);
+  return now().rho[slot] / view.p.z();
 }
 
 template <class T, class Bounds>

@@ -101,7 +101,7 @@ T KeyframeWindow<T, Bounds>::start_depths(const StartView& view, T* rho) {
   for (int i = 0; i < view.pairs.size(); ++i) {
     rho[i] = triangulate_inverse_depth(view.pairs[i], start_motion_);
     if (rho[i] > T(0)) found.push_back(rho[i]);
-    const T depth = depth_in(first, view.slots[i]);
+    const T depth = inverse_depth_in(view.slots[i], first);
     if (depth > T(0)) known.push_back(depth);
   }
   if (2 * found.size() < kLeastStartPairs || known.empty()) return T(0);
@@ -112,15 +112,6 @@ T KeyframeWindow<T, Bounds>::start_depths(const StartView& view, T* rho) {
     rho[i] = clamp(scale * rho[i], typical / kStartRange, typical * kStartRange);
   }
   return typical;
-}
-
-/// Inverse depth of a landmark in a camera; 0 where it is behind it.
-template <class T, class Bounds>
-T KeyframeWindow<T, Bounds>::depth_in(const Rigid<T>& T_camera_world, int slot) const {
-  InverseDepthView<T> view;
-  const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
-  if (!view.project(step, as_estimated(landmarks_[slot].ray), now().rho[slot])) return T(0);
-  return now().rho[slot] / view.p.z();
 }
 
 /// The newest keyframe from the motion, those between from the landmarks as they are known now.
