@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cairn/runtime/input_log.hpp"
+#include "cairn/runtime/input_log_content.hpp"
 
 namespace cairn::host {
 
