@@ -183,10 +183,10 @@ class KeyframeWindow {
  private:
   static constexpr T kFirstDamping = T(1e-4);
   // Units of step_work().
-  static constexpr int kStepBase = 140;
-  static constexpr int kStepLandmark = 4;
-  static constexpr int kStepObservation = 1;
-  static constexpr int kStepFocal = 8;  ///< part that the focal length adds
+  static constexpr int kStepBase = 20;
+  static constexpr int kStepPair = 4;               ///< of a keyframe and a host of landmarks
+  static constexpr int kStepThreeObservations = 4;  ///< of a landmark by a keyframe
+  static constexpr int kStatesSquaredInUnit = 300;  ///< that eliminate a landmark from as many
   static constexpr int kJudgeStart = 110;
   static constexpr int kSeekStart = 1400;
   static constexpr int kTakeStart = 60;

@@ -62,9 +62,9 @@ void WindowTracker<Config>::improve_window(FrameContext& frame) {
   if (window_.keyframes() == 0) return;
   const Rigid<float> before = window_.newest_pose();
   const int corrected = window_.corrected();
-  const int each = window_.step_work();
   ++frames_without_step_;
   for (int i = 0; i < kMostSteps && window_.working(); ++i) {
+    const int each = window_.step_work();  // of the next step, which may be of another kind
     if (!frame.work.affords(each)) {
       frame.work.raise_cut(FrameCut::kNoMapping);
       break;

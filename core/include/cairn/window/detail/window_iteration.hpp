@@ -74,14 +74,20 @@ int KeyframeWindow<T, Bounds>::step_work() const {
   }
   int landmarks = 0;
   int observations = 0;
+  int hosts = 0;
+  bool is_host[kPoses] = {};
   for (const Landmark& landmark : landmarks_) {
     if (!landmark.used) continue;
     ++landmarks;
     observations += observers(landmark);
+    hosts += is_host[landmark.host] ? 0 : 1;
+    is_host[landmark.host] = true;
   }
-  int units = kStepBase + kStepLandmark * landmarks + kStepObservation * observations;
-  if (!compared_) units *= 2;  // the last one compares two solutions
-  return estimates_focal() ? units + units / kStepFocal : units;
+  const int states = pose_states() + (estimates_focal() ? 1 : 0);
+  const int units = kStepBase + kStepPair * hosts * order_.size() +
+                    kStepThreeObservations * observations / 3 +
+                    landmarks * states * states / kStatesSquaredInUnit;
+  return compared_ ? units : 2 * units;  // the last one compares two solutions
 }
 
 template <class T, class Bounds>
