@@ -55,6 +55,7 @@ InputLogHeader to_log_header(const TrackerOptions& options, const SourceInfo& so
   header.adaptive_fading = mono.fading == FadingMode::kAdaptive;
   if (header.filter == LogFilter::kWindow) {
     header.focal_sigma_e4 = window_focal_sigma_e4(options.handheld, source);
+    header.readout = window_readout(options.handheld, source);
   }
   if (source.gyro) {
     header.with_gyro = true;

@@ -164,6 +164,30 @@ TEST(InputLog, CarriesAGyroscope) {
   }
 }
 
+TEST(InputLog, CarriesARollingShutterWithEveryOtherPart) {
+  for (const int parts : {0, 1, 2, 3}) {
+    InputLogHeader expected = make_gyro_header();
+    expected.with_gyro = (parts & 1) != 0;
+    if ((parts & 2) != 0) expected.camera.k5 = 0.01F;
+    expected.readout = {50e-6F, -10e-6F};
+    Memory memory;
+    InputLogWriter<Memory> writer(memory);
+    ASSERT_EQ(writer.begin(expected), Status::kOk);
+    ASSERT_EQ(writer.end(), Status::kOk);
+    const Replay replay = read_log(memory);
+    ASSERT_EQ(replay.status, Status::kOk) << parts;
+    EXPECT_EQ(replay.header.readout.row_time_s, expected.readout.row_time_s);
+    EXPECT_EQ(replay.header.readout.column_time_s, expected.readout.column_time_s);
+    EXPECT_EQ(replay.header.with_gyro, expected.with_gyro);
+    EXPECT_EQ(replay.header.focal_sigma_e4, 1000);
+    EXPECT_EQ(replay.header.camera.k5, expected.camera.k5);
+  }
+  InputLogHeader impossible = make_gyro_header();
+  impossible.readout.row_time_s = 1.0F;
+  Memory memory;
+  EXPECT_EQ(InputLogWriter<Memory>(memory).begin(impossible), Status::kBadConfig);
+}
+
 TEST(InputLog, RefusesAGyroscopeThatIsImpossibleAndSamplesWithoutOne) {
   InputLogHeader header = make_gyro_header();
   header.gyro.noise_density = -1.0F;

@@ -2,8 +2,6 @@
 
 #include <cstring>
 
-#include "cairn/numeric/math.hpp"
-
 namespace cairn {
 namespace {
 
@@ -68,42 +66,14 @@ class Unpacker {
   const std::uint8_t* at_;
 };
 
-bool is_within(float value, float low, float high) {
-  return value >= low && value <= high;  // false for NaN
-}
-
-std::uint16_t version_of(bool with_gyro, bool with_focal, bool with_lens) {
+std::uint16_t version_of(bool with_readout, bool with_gyro, bool with_focal, bool with_lens) {
+  if (with_readout) return kInputLogReadoutVersion;
   if (with_gyro) return kInputLogGyroVersion;
   if (with_focal) return kInputLogFocalVersion;
   return with_lens ? kInputLogLensVersion : kInputLogVersion;
 }
 
-bool is_unit(const Quaternion<float>& q) {
-  return is_within(q.squaredNorm(), 0.999F, 1.001F);
-}
-
 }  // namespace
-
-Status InputLogHeader::validate() const {
-  const Status camera_status = camera.validate();
-  if (!ok(camera_status)) return Status::kBadConfig;
-  const float far_m = 1e6F;
-  const bool places = is_unit(T_vehicle_camera.rotation) &&
-                      is_within(T_vehicle_camera.translation.x(), -far_m, far_m) &&
-                      is_within(T_vehicle_camera.translation.y(), -far_m, far_m) &&
-                      is_within(T_vehicle_camera.translation.z(), -far_m, far_m) &&
-                      is_within(start_x_m, -far_m, far_m) && is_within(start_y_m, -far_m, far_m) &&
-                      is_within(start_theta_rad, -1e4F, 1e4F);
-  const bool noises = is_within(speed_sigma_mps, 0.0F, 1e3F) && is_within(turn_sigma, 0.0F, 1e3F) &&
-                      is_within(wheelbase_m, 0.0F, 1e3F) &&
-                      is_within(start_position_variance, 0.0F, 1e6F) &&
-                      is_within(start_heading_variance, 0.0F, 1e3F);
-  const bool rates = is_within(odometry_period_s, 1e-4F, 1e2F) &&
-                     is_within(frame_rate_hz, 1e-2F, 1e4F) && is_within(fading, 1.0F, 2.0F) &&
-                     focal_sigma_e4 <= 10000;
-  return places && noises && rates && tilt.valid() && ok(gyro.validate()) ? Status::kOk
-                                                                          : Status::kBadConfig;
-}
 
 namespace detail {
 
@@ -168,7 +138,8 @@ void encode_lens(const PinholeCamera<float>& camera, std::uint8_t (&bytes)[kLogL
 void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]) {
   std::memset(bytes, 0, kLogHeaderBytes);
   Packer pack(bytes);
-  pack.u16(version_of(header.with_gyro, header.focal_sigma_e4 > 0, has_lens_bytes(header.camera)));
+  pack.u16(version_of(!header.readout.instant(), header.with_gyro, header.focal_sigma_e4 > 0,
+                      has_lens_bytes(header.camera)));
   pack.u8(static_cast<std::uint8_t>(header.mode));
   pack.u8(static_cast<std::uint8_t>(header.filter));
   pack.u8(static_cast<std::uint8_t>(header.odometry_kind));
@@ -206,6 +177,12 @@ void encode_gyro(const GyroParameters& gyro, std::uint8_t (&bytes)[kLogGyroBytes
   pack.u64(static_cast<std::uint64_t>(gyro.max_gap_us));
 }
 
+void encode_readout(const ReadoutTimes& readout, std::uint8_t (&bytes)[kLogReadoutBytes]) {
+  Packer pack(bytes);
+  pack.f32(readout.row_time_s);
+  pack.f32(readout.column_time_s);
+}
+
 namespace {
 
 void decode_gyro(const std::uint8_t* bytes, GyroParameters& gyro) {
@@ -220,15 +197,14 @@ void decode_gyro(const std::uint8_t* bytes, GyroParameters& gyro) {
 
 }  // namespace
 
-Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::uint8_t* lens,
-                     const std::uint8_t* gyro, InputLogHeader& header) {
+Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const LogHeaderParts& parts,
+                     InputLogHeader& header) {
   Unpacker unpack(bytes);
   const std::uint16_t version = unpack.u16();
-  const bool with_gyro = version == kInputLogGyroVersion;
-  const bool with_focal = with_gyro || version == kInputLogFocalVersion;
-  if (with_gyro != (gyro != nullptr) ||
-      version != version_of(with_gyro, with_focal, lens != nullptr))
+  const bool with_focal = parts.has_gyro || parts.has_readout || version == kInputLogFocalVersion;
+  if (version != version_of(parts.has_readout, parts.has_gyro, with_focal, parts.has_lens)) {
     return Status::kVersionMismatch;
+  }
   const std::uint8_t mode = unpack.u8();
   const std::uint8_t filter = unpack.u8();
   const std::uint8_t odometry_kind = unpack.u8();
@@ -250,15 +226,20 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::ui
   for (float* value : {&c.fx, &c.fy, &c.cx, &c.cy, &c.k1, &c.k2, &c.p1, &c.p2, &c.k3}) {
     *value = unpack.f32();
   }
-  if (lens != nullptr) {
-    Unpacker unpack_lens(lens);
+  if (parts.has_lens) {
+    Unpacker unpack_lens(parts.lens);
     for (float* value : {&c.k4, &c.k5, &c.k6}) *value = unpack_lens.f32();
     const std::uint32_t model = unpack_lens.u32();
     if (model > 1U) return Status::kBadConfig;
     c.lens = static_cast<Lens>(model);
   }
-  header.with_gyro = with_gyro;
-  if (with_gyro) decode_gyro(gyro, header.gyro);
+  header.with_gyro = parts.has_gyro;
+  if (parts.has_gyro) decode_gyro(parts.gyro, header.gyro);
+  if (parts.has_readout) {
+    Unpacker unpack_readout(parts.readout);
+    header.readout.row_time_s = unpack_readout.f32();
+    header.readout.column_time_s = unpack_readout.f32();
+  }
   Rigid<float>& T = header.T_vehicle_camera;
   for (float* value : {&T.rotation.w(), &T.rotation.x(), &T.rotation.y(), &T.rotation.z(),
                        &T.translation.x(), &T.translation.y(), &T.translation.z()}) {

@@ -26,21 +26,24 @@ class InputLogWriter {
     if (!sink_.write(magic, detail::kLogMagicBytes)) return Status::kFull;
     std::uint8_t bytes[detail::kLogHeaderBytes];
     detail::encode_header(header, bytes);
-    const bool with_lens = detail::has_lens_bytes(header.camera);
-    const int more =
-        (with_lens ? detail::kLogLensBytes : 0) + (header.with_gyro ? detail::kLogGyroBytes : 0);
+    detail::LogHeaderParts parts;
+    parts.has_lens = detail::has_lens_bytes(header.camera);
+    parts.has_gyro = header.with_gyro;
+    parts.has_readout = !header.readout.instant();
     open_record(detail::LogRecord::kHeader,
-                static_cast<std::uint32_t>(detail::kLogHeaderBytes + more));
+                static_cast<std::uint32_t>(detail::kLogHeaderBytes + parts.size()));
     put(bytes, detail::kLogHeaderBytes);
-    if (with_lens) {
-      std::uint8_t lens[detail::kLogLensBytes];
-      detail::encode_lens(header.camera, lens);
-      put(lens, detail::kLogLensBytes);
+    if (parts.has_lens) {
+      detail::encode_lens(header.camera, parts.lens);
+      put(parts.lens, detail::kLogLensBytes);
     }
-    if (header.with_gyro) {
-      std::uint8_t gyro[detail::kLogGyroBytes];
-      detail::encode_gyro(header.gyro, gyro);
-      put(gyro, detail::kLogGyroBytes);
+    if (parts.has_gyro) {
+      detail::encode_gyro(header.gyro, parts.gyro);
+      put(parts.gyro, detail::kLogGyroBytes);
+    }
+    if (parts.has_readout) {
+      detail::encode_readout(header.readout, parts.readout);
+      put(parts.readout, detail::kLogReadoutBytes);
     }
     return close_record();
   }
@@ -131,28 +134,22 @@ class InputLogReader {
     detail::LogRecord type{};
     std::uint32_t size = 0;
     std::uint8_t bytes[detail::kLogHeaderBytes];
-    std::uint8_t lens[detail::kLogLensBytes];
-    std::uint8_t gyro[detail::kLogGyroBytes];
+    detail::LogHeaderParts parts;
     if (!ok(open_record(type, size)) || type != detail::LogRecord::kHeader) return Status::kCorrupt;
-    const auto has = [size](int more) {
-      return size == static_cast<std::uint32_t>(detail::kLogHeaderBytes + more);
-    };
-    const bool has_both = has(detail::kLogLensBytes + detail::kLogGyroBytes);
-    const bool has_lens = has_both || has(detail::kLogLensBytes);
-    const bool has_gyro = has_both || has(detail::kLogGyroBytes);
-    if ((!has(0) && !has_lens && !has_gyro) || !get(bytes, detail::kLogHeaderBytes) ||
-        (has_lens && !get(lens, detail::kLogLensBytes)) ||
-        (has_gyro && !get(gyro, detail::kLogGyroBytes)) || !close_record()) {
+    if (size < detail::kLogHeaderBytes || !parts.of_size(size - detail::kLogHeaderBytes) ||
+        !get(bytes, detail::kLogHeaderBytes) ||
+        (parts.has_lens && !get(parts.lens, detail::kLogLensBytes)) ||
+        (parts.has_gyro && !get(parts.gyro, detail::kLogGyroBytes)) ||
+        (parts.has_readout && !get(parts.readout, detail::kLogReadoutBytes)) || !close_record()) {
       return Status::kCorrupt;
     }
     InputLogHeader decoded;
-    const Status status =
-        detail::decode_header(bytes, has_lens ? lens : nullptr, has_gyro ? gyro : nullptr, decoded);
+    const Status status = detail::decode_header(bytes, parts, decoded);
     if (!ok(status)) return status;
     header = decoded;
     width_ = decoded.camera.width;
     height_ = decoded.camera.height;
-    with_gyro_ = has_gyro;
+    with_gyro_ = parts.has_gyro;
     opened_ = true;
     return Status::kOk;
   }

@@ -8,6 +8,7 @@
 #include "cairn/planar/tilt.hpp"
 #include "cairn/tracking/angular_rate.hpp"
 #include "cairn/tracking/frame_report.hpp"
+#include "cairn/tracking/rolling_shutter.hpp"
 
 namespace cairn {
 
@@ -18,11 +19,13 @@ namespace cairn {
 /// lens has a header with 16 bytes more and version kInputLogLensVersion; one whose focal length is
 /// estimated, with either header, has kInputLogFocalVersion; one with a gyroscope has
 /// 48 bytes more behind either, its samples among the odometry's and frames, and
-/// kInputLogGyroVersion.
+/// kInputLogGyroVersion; one of a rolling shutter has 8 bytes more behind all of these and
+/// kInputLogReadoutVersion, with a gyroscope or without.
 inline constexpr std::uint16_t kInputLogVersion = 3;
 inline constexpr std::uint16_t kInputLogLensVersion = 4;
 inline constexpr std::uint16_t kInputLogFocalVersion = 5;
 inline constexpr std::uint16_t kInputLogGyroVersion = 6;
+inline constexpr std::uint16_t kInputLogReadoutVersion = 7;
 
 enum class LogMode : std::uint8_t { kVehicle = 0, kHandheld = 1 };
 enum class LogFilter : std::uint8_t {
@@ -60,6 +63,7 @@ struct InputLogHeader {
   TiltParameters<float> tilt;  ///< of the vehicle's body
   bool with_gyro = false;      ///< the log has samples of a gyroscope
   GyroParameters gyro;
+  ReadoutTimes readout;  ///< kWindow alone
 
   /// kBadConfig unless every value is finite and in its domain.
   Status validate() const;

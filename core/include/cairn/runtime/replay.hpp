@@ -111,6 +111,7 @@ Status start_replay(const InputLogHeader& header, WindowTracker<Config>& tracker
   typename WindowTracker<Config>::Parameters parameters;
   parameters.seed = header.seed;
   parameters.window.focal_sigma = static_cast<float>(header.focal_sigma_e4) / 10000.0F;
+  parameters.readout = header.readout;
   parameters.gyro = header.gyro;
   return tracker.initialise(header.camera, parameters);
 }

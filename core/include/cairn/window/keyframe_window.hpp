@@ -183,10 +183,11 @@ class KeyframeWindow {
  private:
   static constexpr T kFirstDamping = T(1e-4);
   // Units of step_work().
-  static constexpr int kStepBase = 20;
-  static constexpr int kStepPair = 4;               ///< of a keyframe and a host of landmarks
-  static constexpr int kStepThreeObservations = 4;  ///< of a landmark by a keyframe
-  static constexpr int kStatesSquaredInUnit = 300;  ///< that eliminate a landmark from as many
+  static constexpr int kStepBase = 60;
+  static constexpr int kStepPair = 4;  ///< of a host and a keyframe that sees some of it
+  static constexpr int kStepTenObservations = 11;   ///< of a landmark by a keyframe
+  static constexpr int kStatesSquaredInUnit = 400;  ///< that eliminate a landmark from as many
+  static constexpr int kStatesCubedInUnit = 500;    ///< of the solution
   static constexpr int kJudgeStart = 110;
   static constexpr int kSeekStart = 1400;
   static constexpr int kTakeStart = 60;
@@ -221,6 +222,12 @@ class KeyframeWindow {
     T focal = T(1);
   };
   using Reduced = LandmarkEquation<T, kMaxStates>;
+  /// The landmarks of a host, and the places in the window that see some of them.
+  struct Hosted {
+    std::int16_t slots[kLandmarks];
+    int count = 0;
+    std::uint8_t seen = 0;
+  };
   /// How a keyframe is turned from the one before it in the window, by a gyroscope.
   struct Turn {
     bool known = false;
@@ -252,7 +259,9 @@ class KeyframeWindow {
   int observers(const Landmark& landmark) const;
   void forget_unused();
   T build(const Solution& solution, const int* states);
-  void add_pair(const Solution& solution, int host, int place, const int* states, T& cost);
+  Hosted hosted_by(int host) const;
+  void add_pair(const Solution& solution, int host, const Hosted& hosted, int place,
+                const int* states, T& cost);
   T cost_of(const Solution& solution) const;
   Vector3<T> turn_left(const Solution& solution, int index, T& distance) const;
   void add_turn(const Solution& solution, int index, const int* states, T& cost);

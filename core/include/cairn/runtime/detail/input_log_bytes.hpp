@@ -11,8 +11,9 @@ namespace cairn::detail {
 inline constexpr int kLogMagicBytes = 8;
 inline constexpr int kLogRecordHeadBytes = 8;
 inline constexpr int kLogHeaderBytes = 148;
-inline constexpr int kLogLensBytes = 16;  // k4, k5, k6, u32 lens
-inline constexpr int kLogGyroBytes = 48;  // R_camera_gyro, six numbers, u64 gap
+inline constexpr int kLogLensBytes = 16;    // k4, k5, k6, u32 lens
+inline constexpr int kLogGyroBytes = 48;    // R_camera_gyro, six numbers, u64 gap
+inline constexpr int kLogReadoutBytes = 8;  // row and column time
 inline constexpr int kLogOdometryBytes = 20;
 inline constexpr int kLogAngularRateBytes = 20;
 inline constexpr int kLogFrameHeadBytes = 20;
@@ -43,10 +44,36 @@ bool has_lens_bytes(const PinholeCamera<float>& camera);
 void encode_header(const InputLogHeader& header, std::uint8_t (&bytes)[kLogHeaderBytes]);
 void encode_lens(const PinholeCamera<float>& camera, std::uint8_t (&bytes)[kLogLensBytes]);
 void encode_gyro(const GyroParameters& gyro, std::uint8_t (&bytes)[kLogGyroBytes]);
-/// `lens`, `gyro`: the kLogLensBytes and kLogGyroBytes behind the header, or null.
+void encode_readout(const ReadoutTimes& readout, std::uint8_t (&bytes)[kLogReadoutBytes]);
+
+/// What a header's record holds behind the header, in this order.
+struct LogHeaderParts {
+  bool has_lens = false;
+  bool has_gyro = false;
+  bool has_readout = false;
+  std::uint8_t lens[kLogLensBytes];
+  std::uint8_t gyro[kLogGyroBytes];
+  std::uint8_t readout[kLogReadoutBytes];
+
+  /// False where no such parts have so many bytes.
+  bool of_size(std::uint32_t bytes) {
+    const auto is = [bytes](int size) { return bytes == static_cast<std::uint32_t>(size); };
+    for (int parts = 0; parts < 8; ++parts) {
+      has_lens = (parts & 1) != 0;
+      has_gyro = (parts & 2) != 0;
+      has_readout = (parts & 4) != 0;
+      if (is(size())) return true;
+    }
+    return false;
+  }
+  int size() const {
+    return (has_lens ? kLogLensBytes : 0) + (has_gyro ? kLogGyroBytes : 0) +
+           (has_readout ? kLogReadoutBytes : 0);
+  }
+};
 /// kVersionMismatch, or kBadConfig as InputLogHeader::validate().
-Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const std::uint8_t* lens,
-                     const std::uint8_t* gyro, InputLogHeader& header);
+Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const LogHeaderParts& parts,
+                     InputLogHeader& header);
 void encode_odometry(const OdometrySample& sample, std::uint8_t (&bytes)[kLogOdometryBytes]);
 /// kCorrupt for an unknown kind. The numbers are the tracker's to judge.
 Status decode_odometry(const std::uint8_t (&bytes)[kLogOdometryBytes], OdometrySample& sample);

@@ -75,10 +75,22 @@ T KeyframeWindow<T, Bounds>::prior_cost(const Solution& solution, int slot) cons
   return T(0.5) * square((landmark.prior - solution.rho[slot]) / landmark.prior_sigma);
 }
 
+template <class T, class Bounds>
+typename KeyframeWindow<T, Bounds>::Hosted KeyframeWindow<T, Bounds>::hosted_by(int host) const {
+  Hosted hosted;
+  for (int slot = 0; slot < kLandmarks; ++slot) {
+    const Landmark& landmark = landmarks_[slot];
+    if (landmark.host != host) continue;
+    hosted.slots[hosted.count++] = static_cast<std::int16_t>(slot);
+    hosted.seen = static_cast<std::uint8_t>(hosted.seen | landmark.seen);
+  }
+  return hosted;
+}
+
 /// Adds what the keyframe at `place` saw of the landmarks of one host.
 template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::add_pair(const Solution& solution, int host, int place,
-                                         const int* states, T& cost) {
+void KeyframeWindow<T, Bounds>::add_pair(const Solution& solution, int host, const Hosted& hosted,
+                                         int place, const int* states, T& cost) {
   const CameraStep<T> step(solution.pose[host], solution.pose[slot_of_[place]]);
   const Matrix<T, 6, 6> ad = detail::adjoint(step);
   const int host_place = place_of(host);
@@ -94,9 +106,10 @@ void KeyframeWindow<T, Bounds>::add_pair(const Solution& solution, int host, int
   if (with_focal && target_state < 0) carried = by_focal_[slot_of_[place]];
   if (with_focal && host_state < 0) carried -= ad * by_focal_[host];
   detail::FocalColumn<T> focal(step, narrower, carried);
-  for (int slot = 0; slot < kLandmarks; ++slot) {
+  for (int i = 0; i < hosted.count; ++i) {
+    const int slot = hosted.slots[i];
     const Landmark& landmark = landmarks_[slot];
-    if (landmark.host != host || ((landmark.seen >> place) & 1) == 0) continue;
+    if (((landmark.seen >> place) & 1) == 0) continue;
     InverseDepthView<T> view;
     const T rho = solution.rho[slot];
     if (!view.project(step, narrower * landmark.ray, rho)) {
@@ -185,8 +198,11 @@ T KeyframeWindow<T, Bounds>::build(const Solution& solution, const int* states) 
   }
   for (int host = 0; host < kPoses; ++host) {
     if (!hosts[host]) continue;
+    const Hosted hosted = hosted_by(host);
     for (const std::int8_t place : order_) {
-      if (slot_of_[place] != host) add_pair(solution, host, place, states, cost);
+      if (slot_of_[place] != host && ((hosted.seen >> place) & 1) != 0) {
+        add_pair(solution, host, hosted, place, states, cost);
+      }
     }
   }
   for (int i = fixed(); i < order_.size(); ++i) {

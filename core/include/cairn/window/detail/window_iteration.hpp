@@ -74,19 +74,23 @@ int KeyframeWindow<T, Bounds>::step_work() const {
   }
   int landmarks = 0;
   int observations = 0;
-  int hosts = 0;
-  bool is_host[kPoses] = {};
+  int pairs = 0;
+  std::uint8_t seen[kPoses] = {};  // of a host's landmarks, a bit per place
   for (const Landmark& landmark : landmarks_) {
     if (!landmark.used) continue;
     ++landmarks;
     observations += observers(landmark);
-    hosts += is_host[landmark.host] ? 0 : 1;
-    is_host[landmark.host] = true;
+    const unsigned more = landmark.seen & ~static_cast<unsigned>(seen[landmark.host]);
+    for (int place = 0; place < kKeyframes; ++place) {
+      pairs += static_cast<int>((more >> place) & 1U);
+    }
+    seen[landmark.host] = static_cast<std::uint8_t>(seen[landmark.host] | landmark.seen);
   }
   const int states = pose_states() + (estimates_focal() ? 1 : 0);
-  const int units = kStepBase + kStepPair * hosts * order_.size() +
-                    kStepThreeObservations * observations / 3 +
-                    landmarks * states * states / kStatesSquaredInUnit;
+  const int squared = states * states;
+  const int units = kStepBase + kStepPair * pairs + kStepTenObservations * observations / 10 +
+                    landmarks * squared / kStatesSquaredInUnit +
+                    squared * states / kStatesCubedInUnit;
   return compared_ ? units : 2 * units;  // the last one compares two solutions
 }
 
