@@ -5,27 +5,12 @@
 #include "cairn/base/health.hpp"
 #include "cairn/base/status.hpp"
 #include "cairn/planar/increment.hpp"
-#include "cairn/planar/reading_low_pass.hpp"
 #include "cairn/planar/types.hpp"
 #include "cairn/tracking/frame_report.hpp"
+#include "cairn/tracking/odometry_motion.hpp"
+#include "cairn/tracking/odometry_trust.hpp"
 
 namespace cairn {
-
-struct OdometryNoise {
-  float sigma_speed_mps = 0.1F;  ///< per sample
-  float sigma_turn = 0.0873F;    ///< steering angle, rad, or yaw rate, rad/s, per sample
-  float wheelbase_m = 0.5F;      ///< kAckermann only
-  float sample_period_s = 0.1F;  ///< the period at which the noise above is stated
-  float steady_s = 0.3F;  ///< time constant of the low-passed readings at which noise is linearised
-  float max_acceleration_mps2 = 20.0F;  ///< a reading that changes faster counts as a glitch
-  /// Standard deviations of the motion while nothing is measured, or of the last reading's size
-  /// where that is larger.
-  float unknown_speed_mps = 1.0F;
-  float unknown_yaw_rate_radps = 0.5F;
-
-  /// kBadConfig for a value that is not finite or not above 0 (`steady_s` may be 0).
-  Status validate() const;
-};
 
 /// Moves a planar filter by odometry samples that come in their own rhythm: late, early, in bursts.
 ///
@@ -43,10 +28,7 @@ class OdometryIntegrator {
  public:
   static constexpr float kMaxSpeed_mps = 300.0F;
   static constexpr float kSilent = 0.2F;  ///< of the longest step
-  static constexpr float kLongestContradiction_s = 10.0F;
   static constexpr float kMaxSteering_rad = 1.4F;
-  /// Glitches in a row, each like the one before, after which they are believed.
-  static constexpr int kGlitchesToBelieve = 3;
 
   /// Starts anew, at rest at time `t_us`. Motion is held for at most `max_step_us`.
   void reset(const OdometryNoise& noise, std::int64_t max_step_us, std::int64_t t_us);
@@ -80,88 +62,47 @@ class OdometryIntegrator {
   void note_image_update(float ahead_m, float turn_rad, float step_s, bool sure);
 
   /// Whether the speed that images show differs from the samples' by more than their noise, and by
-  /// more than a fifth. After kLongestContradiction_s the samples are believed all the same, since
-  /// the scale is theirs to tell, and doubted for as long again.
-  bool contradicted() const { return contradicted_ || doubted_s_ > 0.0F; }
-  float speed_mps() const { return motion_.speed_mps; }
+  /// more than a fifth. After OdometryTrust::kLongestContradiction_s the samples are believed all
+  /// the same, since the scale is theirs to tell, and doubted for as long again.
+  bool contradicted() const { return trust_.doubts(); }
+  float speed_mps() const { return motion_.held().speed_mps; }
   /// Yaw that the motion held makes of a time, rad.
-  float turn_over(float step_s) const { return motion_over(motion_, step_s).yaw_rad; }
+  float turn_over(float step_s) const { return motion_.over(motion_.held(), step_s).yaw_rad; }
   /// The pose by odometry alone at the filter's time, from any start: what images corrected is not
   /// in it.
   PlanarPose<float> path() const;
   /// Whether the motion at the pose's time follows from samples.
-  bool known() const { return has_motion_ && time_us_ - motion_.t_us <= max_step_us_; }
-  /// Whether the newest sample is exactly no motion.
-  bool at_rest() const {
-    return motion_.speed_mps == 0.0F &&
-           (motion_.kind == OdometrySample::Kind::kAckermann || motion_.turn == 0.0F);
+  bool known() const {
+    return motion_.has_sample() && time_us_ - motion_.held().t_us <= motion_.max_step_us();
   }
+  /// Whether the newest sample is exactly no motion.
+  bool at_rest() const { return motion_.at_rest(); }
   /// Variance of the yaw increment since the last forget_yaw(), rad^2.
   float yaw_variance() const { return yaw_variance_; }
   void forget_yaw() { yaw_variance_ = 0.0F; }
 
  private:
-  /// Distance and yaw increment that a reading makes of a time, without noise.
-  struct Motion {
-    float distance_m = 0.0F;
-    float yaw_rad = 0.0F;
-  };
-
-  /// Variances of position (m^2) and heading (rad^2).
-  struct Drift {
-    float position = 0.0F;
-    float heading = 0.0F;
-  };
+  using Step = OdometryMotion::Step;
+  using Drift = OdometryMotion::Drift;
 
   void begin_at(std::int64_t t_us);
   void count_from(std::int64_t t_us);
   Status check(const OdometrySample& sample, Health& health) const;
-  bool is_glitch(const OdometrySample& sample);
-  bool is_contradicted(const OdometrySample& sample);
-  float most_contradiction(float speed_mps) const;
   bool samples_missing(std::int64_t from_us, std::int64_t to_us) const;
   template <class Filter>
   Status bridge_to(const OdometrySample& sample, Filter& filter);
-  Drift drift_between_samples(const OdometrySample& first, const OdometrySample& last,
-                              float step_s) const;
-  Motion bridging(const OdometrySample& sample) const;
-  OdometrySample steady_motion() const;
+  Step bridging(const OdometrySample& sample) const;
   void note_interval(float step_s);
-  void hold_steadily();
-  void hold_by_images();
   void follow_image(float ahead_m, float turn_rad, float step_s);
-  void note_slip(float seen_mps, float step_s);
-  float max_step_s() const { return static_cast<float>(max_step_us_) * 1e-6F; }
-  void fade_slip(float step_s);
-  float seconds_since_sample(std::int64_t t_us) const;
-  float seconds_since_known(std::int64_t t_us) const;
-  Motion motion_over(const OdometrySample& reading, float dt_s) const;
-  static PlanarPose<float> moved(const PlanarPose<float>& pose, const Motion& motion);
-  float sigma_speed(float scale) const;
-  PlanarIncrement<float> increment_over(float dt_s) const;
-  PlanarIncrement<float> increment_of(const OdometrySample& reading, float dt_s, float scale) const;
-  float yaw_outlier() const;
-  /// What the time since the motion was known adds between `from_s` and `to_s` after it.
-  Drift drift_between(float from_s, float to_s) const;
+  static PlanarPose<float> moved(const PlanarPose<float>& pose, const Step& step);
 
-  OdometryNoise noise_;
-  std::int64_t max_step_us_ = 0;
+  OdometryMotion motion_;
+  OdometryTrust trust_;
   PlanarPose<float> path_;         ///< at the newest sample
   std::int64_t time_us_ = 0;       ///< of the filter's pose
   std::int64_t corrected_us_ = 0;  ///< until then an image has corrected the pose
-  std::int64_t seen_us_ = 0;       ///< of the last image that corrected motion_
-  OdometrySample motion_;  ///< that is held: a sample's, or by the images at a sample's time
-  ReadingLowPass<float> steady_;
-  OdometrySample glitch_;
-  int glitches_ = 0;
-  float interval_s_ = 0.0F;  ///< usual, from one sample to the next
-  float slip_mps_ = 0.0F;    ///< standard deviation of the speed that glitches and images show
-  float excess_mps_ = 0.0F;  ///< low-passed speed by images less that of samples
-  float doubted_s_ = 0.0F;   ///< that a contradiction has lasted; after it, that doubt still lasts
+  float interval_s_ = 0.0F;        ///< usual, from one sample to the next
   bool begun_ = false;
-  bool has_motion_ = false;
-  bool by_images_ = false;  ///< motion_ is what the images show
-  bool contradicted_ = false;
   float yaw_variance_ = 0.0F;
 };
 
@@ -170,39 +111,38 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
   begin_at(sample.t_us);
   const Status checked = check(sample, health);
   if (!ok(checked)) return checked;
-  const bool gap = seconds_since_sample(sample.t_us) > max_step_s();
-  const bool glitch = is_contradicted(sample) || (!gap && is_glitch(sample));
-  Motion correction;
+  const bool gap = motion_.seconds_since_sample(sample.t_us) > motion_.max_step_s();
+  const bool glitch =
+      trust_.is_contradicted(sample, motion_) || (!gap && trust_.is_glitch(sample, motion_));
+  Step correction;
   if (!glitch && samples_missing(time_us_, sample.t_us)) {
     const Status bridged = bridge_to(sample, filter);
     if (!ok(bridged)) return bridged;
     health.odometry_timeouts += gap ? 1 : 0;
   } else if (gap) {
-    if (corrected_us_ <= motion_.t_us && !glitch) correction = bridging(sample);
+    if (corrected_us_ <= motion_.held().t_us && !glitch) correction = bridging(sample);
     static_cast<void>(integrate_to(sample.t_us, filter, health));
   } else if (!glitch) {
     // What was held beyond the last sample, and no image has corrected, moves as this sample says.
-    const std::int64_t from = corrected_us_ > motion_.t_us ? corrected_us_ : motion_.t_us;
+    const std::int64_t sample_us = motion_.held().t_us;
+    const std::int64_t from = corrected_us_ > sample_us ? corrected_us_ : sample_us;
     const float held_s = time_us_ > from ? static_cast<float>(time_us_ - from) * 1e-6F : 0.0F;
-    const Motion measured = motion_over(sample, held_s);
-    const Motion held = motion_over(motion_, held_s);
+    const Step measured = motion_.over(sample, held_s);
+    const Step held = motion_.over(motion_.held(), held_s);
     correction = {measured.distance_m - held.distance_m, measured.yaw_rad - held.yaw_rad};
   }
-  path_ = moved(path_, motion_over(glitch ? motion_ : sample, seconds_since_sample(sample.t_us)));
+  const float since_s = motion_.seconds_since_sample(sample.t_us);
+  path_ = moved(path_, motion_.over(glitch ? motion_.held() : sample, since_s));
   if (glitch) {
-    motion_.t_us = sample.t_us;
+    motion_.count_from(sample.t_us);
     ++health.odometry_glitches;
   } else {
-    steady_.add(sample.speed_mps, sample.turn,
-                has_motion_ ? seconds_since_sample(sample.t_us) : 0.0F);
-    note_interval(seconds_since_sample(sample.t_us));
-    motion_ = sample;
-    has_motion_ = true;
-    by_images_ = false;
+    motion_.take(sample);
+    note_interval(since_s);
   }
   const float step_s =
       sample.t_us > time_us_ ? static_cast<float>(sample.t_us - time_us_) * 1e-6F : 0.0F;
-  PlanarIncrement<float> increment = increment_over(step_s);
+  PlanarIncrement<float> increment = motion_.increment_over(step_s, trust_.slip_mps());
   increment.distance_m += correction.distance_m;
   increment.turn_rad += correction.yaw_rad;
   if (step_s > 0.0F) time_us_ = sample.t_us;
@@ -210,7 +150,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
     const Status moved = filter.predict(increment);
     if (!ok(moved)) return moved;
     yaw_variance_ += increment.covariance(1, 1);
-    fade_slip(step_s);
+    trust_.fade(step_s);
   }
   if (glitch) return Status::kGated;
   return gap ? Status::kTimeGap : Status::kOk;
@@ -222,23 +162,24 @@ template <class Filter>
 Status OdometryIntegrator::bridge_to(const OdometrySample& sample, Filter& filter) {
   constexpr float kNoiseOfTwo = 0.71F;
   const float step_s = static_cast<float>(sample.t_us - time_us_) * 1e-6F;
-  const OdometrySample first = steady_motion();
+  const OdometrySample first = motion_.steady();
   OdometrySample mean = sample;
   mean.speed_mps = 0.5F * (first.speed_mps + sample.speed_mps);
   mean.turn = 0.5F * (first.turn + sample.turn);
-  const PlanarIncrement<float> increment = increment_of(mean, step_s, kNoiseOfTwo);
+  const PlanarIncrement<float> increment =
+      motion_.increment_of(mean, step_s, kNoiseOfTwo, trust_.slip_mps());
   const Status moved = filter.predict(increment);
   if (!ok(moved)) return moved;
-  const Drift drift = drift_between_samples(first, sample, step_s);
+  const Drift drift = motion_.drift_between_samples(first, sample, step_s);
   time_us_ = sample.t_us;
   yaw_variance_ += increment.covariance(1, 1) + drift.heading;
-  fade_slip(step_s);
+  trust_.fade(step_s);
   return filter.widen_pose(drift.position, drift.heading);
 }
 
 template <class Filter>
 Status OdometryIntegrator::restart_clock(std::int64_t t_us, Filter& filter) {
-  const Drift drift = drift_between(0.0F, static_cast<float>(max_step_us_) * 1e-6F);
+  const Drift drift = motion_.drift_between(0.0F, motion_.max_step_s());
   count_from(t_us);
   yaw_variance_ += drift.heading;
   return filter.widen_pose(drift.position, drift.heading);
@@ -248,26 +189,26 @@ template <class Filter>
 Status OdometryIntegrator::integrate_to(std::int64_t t_us, Filter& filter, Health& health) {
   begin_at(t_us);
   if (t_us <= time_us_) return Status::kOk;
-  if (samples_missing(motion_.t_us, t_us)) hold_steadily();
-  const float max_s = max_step_s();
-  const float from_s = seconds_since_known(time_us_);
-  const float to_s = seconds_since_known(t_us);
+  if (samples_missing(motion_.held().t_us, t_us)) motion_.hold_steadily();
+  const float max_s = motion_.max_step_s();
+  const float from_s = motion_.seconds_since_known(time_us_);
+  const float to_s = motion_.seconds_since_known(t_us);
   const float held_s = (to_s < max_s ? to_s : max_s) - from_s;
   time_us_ = t_us;
   Status status = Status::kOk;
-  if (has_motion_ && held_s > 0.0F) {
-    const PlanarIncrement<float> increment = increment_over(held_s);
+  if (motion_.has_sample() && held_s > 0.0F) {
+    const PlanarIncrement<float> increment = motion_.increment_over(held_s, trust_.slip_mps());
     status = filter.predict(increment);
     if (ok(status)) yaw_variance_ += increment.covariance(1, 1);
   }
-  fade_slip(to_s - from_s);
-  const Drift drift = drift_between(from_s, to_s);
+  trust_.fade(to_s - from_s);
+  const Drift drift = motion_.drift_between(from_s, to_s);
   if (drift.position > 0.0F || drift.heading > 0.0F) {
     const Status widened = filter.widen_pose(drift.position, drift.heading);
     if (ok(status)) status = widened;
     yaw_variance_ += drift.heading;
   }
-  if (seconds_since_sample(t_us) <= max_s) return status;
+  if (motion_.seconds_since_sample(t_us) <= max_s) return status;
   ++health.odometry_timeouts;
   return ok(status) ? Status::kTimeGap : status;
 }
