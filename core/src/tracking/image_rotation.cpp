@@ -107,10 +107,10 @@ void ImageRotation::take(const ImageView& image) {
   Coarse& out = images_[present_];
   const int width = image.width / kColumns;
   const int height = image.height / kRows;
+  const int rows = 1 + (height - 1) / kRowStep;
   for (int row = 0; row < kRows; ++row) {
     std::int32_t sums[kColumns] = {};
-    int rows = 0;
-    for (int y = 0; y < height; y += kRowStep, ++rows) {
+    for (int y = 0; y < height; y += kRowStep) {
       const std::uint8_t* p =
           image.data + static_cast<std::int64_t>(row * height + y) * image.stride;
       for (int column = 0; column < kColumns; ++column) {

@@ -53,7 +53,7 @@ class Augmenter {
   /// each of at most kMaxObjects.
   int draw(const PinholeCamera<float>& camera, const Rigid<float>& T_map_camera,
            const MutableImageView& image) {
-    int order[kMaxObjects];
+    int order[kMaxObjects] = {};
     sort_far_to_near(T_map_camera, order);
     int drawn = 0;
     for (int i = 0; i < places_.size(); ++i) {
