@@ -48,6 +48,16 @@ TEST_F(AVehicleThatTracks, TakesFewOfManyForChance) {
   EXPECT_TRUE(monitor_.enough_matches(counts(40, 4)));
 }
 
+TEST_F(AVehicleThatTracks, SaysWhyAFrameDoesNotDetermineThePose) {
+  const NotTracked shortage = NotTracked::kNoDepth;
+  EXPECT_EQ(monitor_.why_not_tracked(counts(40, 30, 4), shortage), NotTracked::kTracked);
+  EXPECT_EQ(monitor_.why_not_tracked(without_search(), shortage), NotTracked::kNoWork);
+  EXPECT_EQ(monitor_.why_not_tracked(counts(3, 3), shortage), shortage);
+  EXPECT_EQ(monitor_.why_not_tracked(counts(40, 3), shortage), NotTracked::kNotFound);
+  EXPECT_EQ(monitor_.why_not_tracked(counts(80, 5), shortage), NotTracked::kNotFound);
+  EXPECT_EQ(monitor_.why_not_tracked(counts(40, 30, 3), shortage), NotTracked::kNoConsensus);
+}
+
 TEST_F(AVehicleThatTracks, AsksForMoreMatchesAfterWeakFrames) {
   judge(counts(40, 0));
   EXPECT_TRUE(monitor_.enough_matches(counts(40, 4)));

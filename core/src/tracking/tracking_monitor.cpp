@@ -43,6 +43,15 @@ bool TrackingMonitor::confirms_place(int found, int expected) const {
          static_cast<float>(found) >= parameters_.min_place_ratio * static_cast<float>(expected);
 }
 
+NotTracked TrackingMonitor::why_not_tracked(const MeasurementCounts& counts,
+                                            NotTracked shortage) const {
+  if (holds(counts)) return NotTracked::kTracked;
+  if (!counts.could_search) return NotTracked::kNoWork;
+  if (counts.searched < parameters_.min_inliers) return shortage;
+  const bool found = counts.matches >= parameters_.min_inliers && enough_matches(counts);
+  return found ? NotTracked::kNoConsensus : NotTracked::kNotFound;
+}
+
 Status TrackingMonitor::judge(const MeasurementCounts& counts, Status status, Health& health) {
   if (holds(counts)) {
     weak_frames_ = 0;

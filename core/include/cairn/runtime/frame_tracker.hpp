@@ -5,14 +5,13 @@
 #include "cairn/base/config.hpp"
 #include "cairn/base/hash.hpp"
 #include "cairn/tracking/frame_input.hpp"
-#include "cairn/tracking/mount_check.hpp"
 #include "cairn/tracking/mounting.hpp"
 #include "cairn/tracking/odometry_integrator.hpp"
 #include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/systematic_error.hpp"
+#include "cairn/tracking/vehicle_doubt.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
-#include "cairn/tracking/yaw_check.hpp"
 
 namespace cairn {
 
@@ -162,11 +161,11 @@ class FrameTracker {
   Health health() const { return with_filter(health_, filter().health()); }
   TrackingState state() const;
   /// How far the mount and the focal length seem to be from what initialise() was told.
-  const MountOffset& mount_offset() const { return mount_check_.offset(); }
+  const MountOffset& mount_offset() const { return doubt_.mount_offset(); }
   /// Whether speed and camera height fit the height of the ground in the pictures.
   const GroundCheck& ground() const { return estimate_.ground(); }
   /// Whether odometry turns as the pictures do.
-  const YawCheck& yaw() const { return yaw_check_; }
+  const YawCheck& yaw() const { return doubt_.yaw(); }
   void hash(Hash64& hash) const;
 
  private:
@@ -182,19 +181,11 @@ class FrameTracker {
   Status relocalise(Frame& frame, const Library& library, Status status);
   void note_correction(const PlanarPose<float>& predicted);
   void note_matches(Frame& frame, const typename Measurement::Matches& matches);
-  void note_inlier(Frame& frame, const PixelMatch<float>& match);
-  void check_mount(Frame& frame);
-  void check_yaw(const ImageView& image);
   void report(Status status, FrameReport& report);
-  NotTracked why_not_tracked(Status status) const;
-  bool doubted() const;
   bool unsure() const;
-  PixelUpdate update_unsure(Frame& frame, typename Measurement::Matches& matches);
-  int min_inliers() const;
+  PixelUpdate update_estimate(Frame& frame, typename Measurement::Matches& matches);
   void begin_anew(Frame& frame);
-  int planned_searches() const;
   bool relocalises() const;
-  VehicleMotion motion() const;
 
   Estimate estimate_;
   Measurement measurement_;
@@ -207,18 +198,15 @@ class FrameTracker {
   FrameInput input_;
   InputClock clock_;
   RepeatedImage repeated_;
-  MountCheck mount_check_;
-  YawCheck yaw_check_;
+  VehicleDoubt doubt_;
   FrameWork work_;
   Random random_;
   Health health_;
   VehicleScratch<Config> scratch_;
   float frame_step_s_ = 0.0F;
-  float unseen_yaw_ = 0.0F;  ///< variance of odometry's yaw since the pose was seen, rad^2
-  bool thin_map_ = false;    ///< the last frame was weak for want of landmarks in view
+  bool thin_map_ = false;  ///< the last frame was weak for want of landmarks in view
 };
 
 }  // namespace cairn
 
-#include "cairn/runtime/detail/frame_tracker_doubt.hpp"
 #include "cairn/runtime/detail/frame_tracker_impl.hpp"

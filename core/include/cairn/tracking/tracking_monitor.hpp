@@ -69,6 +69,10 @@ class TrackingMonitor {
   /// Whether `found` of `expected` library landmarks confirm a recognised place.
   bool confirms_place(int found, int expected) const;
 
+  /// Why a frame's landmarks do not determine the pose: kTracked where they do. `shortage`: why
+  /// there are too few to search.
+  NotTracked why_not_tracked(const MeasurementCounts& counts, NotTracked shortage) const;
+
   /// Ends a frame: returns its final status and moves the state on.
   Status judge(const MeasurementCounts& counts, Status status, Health& health);
   /// `frames` that did not come, or showed nothing new: weak ones, but whether tracking is lost is

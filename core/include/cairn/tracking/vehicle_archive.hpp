@@ -79,6 +79,10 @@ class VehicleArchive {
     policy_.refuse(id);
   }
 
+  /// Records that the filter used a match. A landmark of the library gets its patch, one on the
+  /// floor its height, and one that has become mature its place in the library.
+  void note_inlier(Frame& frame, Estimate& estimate, const PixelMatch<float>& match);
+
   /// Adds a landmark of the library to the filter. False when the filter has no room or holds none.
   bool reactivate(Frame& frame, Estimate& estimate, const Archived& archived);
 
@@ -109,6 +113,20 @@ void VehicleArchive<Config, Filter>::send(Frame& frame, typename Message::Kind k
   message.kind = kind;
   message.id = id;
   if (!frame.map.messages.push(message)) ++frame.health.map_messages_dropped;
+}
+
+template <class Config, class Filter>
+void VehicleArchive<Config, Filter>::note_inlier(Frame& frame, Estimate& estimate,
+                                                 const PixelMatch<float>& match) {
+  TrackedLandmark* landmark = estimate.landmarks().find(match.id);
+  if (landmark == nullptr) return;
+  LandmarkMeasurement<Estimate::kMaxLandmarks>::note_inlier(*landmark, frame.report);
+  if (estimate.take_patch(frame, *landmark, match.pixel) && landmark->measured == 1) {
+    report_found(frame, match.id);
+  }
+  estimate.check_ground(frame, *landmark);
+  estimate.constrain_to_floor(frame, *landmark);
+  archive_mature(frame, estimate, *landmark);
 }
 
 /// With its covariance relative to the vehicle: the pose's own error is shared with the map around

@@ -62,6 +62,8 @@ class VehicleEstimate {
   }
   /// Variances that a step of `step_s` seconds adds to it.
   Vector2<float> tilt_noise(float step_s) const { return filter_.tilt_noise(step_s); }
+  /// Whether the body tilts by more than its suspension allows.
+  bool tilts_too_far() const;
 
   const Landmarks& landmarks() const { return landmarks_; }
   Landmarks& landmarks() { return landmarks_; }
@@ -108,6 +110,10 @@ class VehicleEstimate {
   /// PlanarPoseOptions::kMaxSightings.
   bool find_agreed(FrameContext& frame, Matches& matches, PlanarSighting* sightings,
                    PlanarPose<float>& pose) const;
+  /// An update about the pose that the matches agree on; nothing changes, kNoConsensus, where there
+  /// is none.
+  PixelUpdate update_agreed(FrameContext& frame, Matches& matches, PlanarSighting* sightings,
+                            int min_inliers);
   /// Most units of work that find_agreed() takes.
   static constexpr int agreement_work(int matches) {
     return PlanarConsensusOptions::kMostPairs * (8 + 2 * matches);  // a unit a projection
@@ -245,6 +251,29 @@ bool VehicleEstimate<Filter>::find_agreed(FrameContext& frame, Matches& matches,
   }
   matches.resize(kept);
   return true;
+}
+
+template <class Filter>
+PixelUpdate VehicleEstimate<Filter>::update_agreed(FrameContext& frame, Matches& matches,
+                                                   PlanarSighting* sightings, int min_inliers) {
+  PixelUpdate result;
+  result.status = Status::kNoConsensus;
+  PlanarPose<float> agreed;
+  if (!find_agreed(frame, matches, sightings, agreed)) return result;
+  const Placement before = place(agreed);
+  result = update(frame, matches, min_inliers);
+  if (result.inliers == 0) filter_.put_back(before);
+  return result;
+}
+
+template <class Filter>
+bool VehicleEstimate<Filter>::tilts_too_far() const {
+  constexpr float kSigmas = 5.0F;
+  if (!filter_.tilts()) return false;
+  const VehicleTilt<float> tilt = filter_.tilt();
+  const TiltParameters<float>& usual = filter_.parameters().tilt;
+  return abs(tilt.pitch) > kSigmas * usual.sigma_pitch_rad ||
+         abs(tilt.roll) > kSigmas * usual.sigma_roll_rad;
 }
 
 template <class Filter>

@@ -25,13 +25,11 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
   input_.reset(parameters.max_step_us);
   clock_.reset(parameters.max_step_us);
   repeated_.reset();
-  mount_check_.reset(camera, T_vehicle_camera, parameters.sigma_px);
-  yaw_check_.reset(camera, T_vehicle_camera);
+  doubt_.reset(camera, T_vehicle_camera, parameters.sigma_px);
   work_.reset(parameters.work_limit, parameters.max_frames_without_mapping);
   random_ = Random(parameters.seed);
   health_ = Health{};
   thin_map_ = false;
-  unseen_yaw_ = 0.0F;
   return Status::kOk;
 }
 
@@ -77,11 +75,11 @@ Status FrameTracker<Config, Filter>::process_frame(const ImageView& image, std::
     timer.end(Stage::kFeatures);
     status = update(frame, status);
     status = keep_map(frame, status);
-    check_mount(frame);
-    check_yaw(image);
+    const typename Measurement::Matches& matches = measurement_.matches();
+    doubt_.compare(frame, odometry_, estimate_.tilt_noise(frame_step_s_), frame_step_s_,
+                   matches.data(), matches.size());
     health_.ground_suspicions += ground().suspect() ? 1 : 0;
-    const bool seen = monitor_.holds(measurement_.counts());
-    unseen_yaw_ = seen ? 0.0F : unseen_yaw_ + odometry_.yaw_variance();
+    doubt_.note_pose(monitor_.holds(measurement_.counts()), odometry_.yaw_variance());
     odometry_.forget_yaw();
     status = monitor_.judge(measurement_.counts(), status, health_);
   }
@@ -128,7 +126,10 @@ Status FrameTracker<Config, Filter>::pass_over(Status status) {
 template <class Config, class Filter>
 void FrameTracker<Config, Filter>::measure(Frame& frame) {
   const bool relocalises = this->relocalises();
-  const int planned = planned_searches();
+  // While the place is recognised, that work takes the place of searches.
+  const int max_searches = measurement_.parameters().max_searches;
+  const int planned =
+      map_reuse_.takes_image() ? 0 : (relocalises ? max_searches / 2 : max_searches);
   const int landmarks = estimate_.size();
   const bool updates = work_.affords(estimate_.update_work(estimate_.min_inliers()));
   const int most = planned < landmarks ? planned : landmarks;
@@ -138,14 +139,6 @@ void FrameTracker<Config, Filter>::measure(Frame& frame) {
       updates ? work_.for_searches(relocalises ? map_reuse_.next_work() : 0, update_work) : 0;
   measurement_.search(frame, estimate_, estimate_.landmarks(), SearchPass::kAll,
                       SearchOrder::kMostUncertain, planned, units, scratch_.search);
-}
-
-/// While the place is recognised, that work takes the place of searches.
-template <class Config, class Filter>
-int FrameTracker<Config, Filter>::planned_searches() const {
-  if (map_reuse_.takes_image()) return 0;
-  const int most = measurement_.parameters().max_searches;
-  return relocalises() ? most / 2 : most;
 }
 
 template <class Config, class Filter>
@@ -159,8 +152,7 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   const bool thin = thin_map_ && local_map_.is_thin(measurement_.counts().searched);
   if (!matches.empty() && (unsure() || monitor_.enough_matches(measurement_.counts(), thin))) {
     const PlanarPose<float> predicted = filter().mean_pose();
-    const PixelUpdate update =
-        unsure() ? update_unsure(frame, matches) : estimate_.update(frame, matches, min_inliers());
+    const PixelUpdate update = update_estimate(frame, matches);
     measurement_.note_update(update);
     if (monitor_.holds(measurement_.counts())) note_correction(predicted);
     frame.report.update = update.report;
@@ -170,9 +162,16 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   return status;
 }
 
+/// Where the heading is unsure, about the pose that the matches agree on.
 template <class Config, class Filter>
-int FrameTracker<Config, Filter>::min_inliers() const {
-  return monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
+PixelUpdate FrameTracker<Config, Filter>::update_estimate(Frame& frame,
+                                                          typename Measurement::Matches& matches) {
+  const int wanted = monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
+  if (!unsure()) return estimate_.update(frame, matches, wanted);
+  auto& scratch = *new (&scratch_.relocaliser.near) typename Relocaliser<Config>::Scratch::Near();
+  const int least = monitor_.parameters().min_inliers;
+  return estimate_.update_agreed(frame, matches, scratch.sightings,
+                                 wanted > least ? wanted : least);
 }
 
 /// Tells odometry how far the image moved the pose along its heading. Where the pose was not known
@@ -216,23 +215,13 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   const bool given_up = map_reuse_.place_unknown() || state() == TrackingState::kLost;
   if (anew && given_up && !known && unsure()) begin_anew(frame);
   const bool growing = known || thin_map_ || monitor_.holds(measurement_.counts()) || anew;
-  local_map_.follow(frame, estimate_, motion(), growing);
+  const VehicleMotion motion = {odometry_.speed_mps(), frame_step_s_, odometry_.yaw_variance(),
+                                monitor_.state() == TrackingState::kTracking,
+                                odometry_.turn_over(frame_step_s_)};
+  local_map_.follow(frame, estimate_, motion, growing);
   if (known && usable) map_reuse_.reactivate(frame, estimate_, *library);
   if (library != nullptr) frame.map.exchange.release();
   return status;
-}
-
-/// All matches count, not the filter's inliers alone: it takes those that fit the assumed mount.
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::check_mount(Frame& frame) {
-  if (!odometry_.known()) return;
-  const typename Measurement::Matches& matches = measurement_.matches();
-  const Vector2<float> tilt = estimate_.tilt_noise(frame_step_s_);
-  const OdometryStep step = {odometry_.path(), odometry_.yaw_variance(),
-                             tilt.x() > tilt.y() ? tilt.x() : tilt.y(), frame_step_s_};
-  const bool paid = frame.work.take(work::kMountCheck);
-  mount_check_.add(camera(), step, matches.data(), paid ? matches.size() : 0);
-  frame.health.mount_suspicions += mount_offset().any_suspect() ? 1 : 0;
 }
 
 template <class Config, class Filter>
@@ -251,12 +240,6 @@ Status FrameTracker<Config, Filter>::relocalise(Frame& frame, const Library& lib
 }
 
 template <class Config, class Filter>
-VehicleMotion FrameTracker<Config, Filter>::motion() const {
-  return {odometry_.speed_mps(), frame_step_s_, odometry_.yaw_variance(),
-          monitor_.state() == TrackingState::kTracking, odometry_.turn_over(frame_step_s_)};
-}
-
-template <class Config, class Filter>
 void FrameTracker<Config, Filter>::note_matches(Frame& frame,
                                                 const typename Measurement::Matches& matches) {
   if (!monitor_.holds(measurement_.counts()) && state() != TrackingState::kInitialising &&
@@ -265,23 +248,8 @@ void FrameTracker<Config, Filter>::note_matches(Frame& frame,
     return;
   }
   for (const PixelMatch<float>& match : matches) {
-    if (match.inlier) note_inlier(frame, match);
+    if (match.inlier) map_reuse_.archive().note_inlier(frame, estimate_, match);
   }
-}
-
-/// Records the match. A landmark of the library gets its patch, one on the floor its height, and
-/// one that has become mature its place in the library.
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::note_inlier(Frame& frame, const PixelMatch<float>& match) {
-  TrackedLandmark* landmark = estimate_.landmarks().find(match.id);
-  if (landmark == nullptr) return;
-  Measurement::note_inlier(*landmark, frame.report);
-  if (estimate_.take_patch(frame, *landmark, match.pixel) && landmark->measured == 1) {
-    map_reuse_.archive().report_found(frame, match.id);
-  }
-  estimate_.check_ground(frame, *landmark);
-  estimate_.constrain_to_floor(frame, *landmark);
-  map_reuse_.archive().archive_mature(frame, estimate_, *landmark);
 }
 
 template <class Config, class Filter>
@@ -291,7 +259,11 @@ void FrameTracker<Config, Filter>::report(Status status, FrameReport& report) {
   map_reuse_.archive().policy().travel(abs(odometry_.speed_mps()) * frame_step_s_, next_id());
   report.status = status;
   report.state = state();
-  report.not_tracked = why_not_tracked(status);
+  report.not_tracked = monitor_.why_not_tracked(measurement_.counts(), local_map_.shortage());
+  if (report.not_tracked != NotTracked::kTracked) {
+    if (status == Status::kRepeatedImage) report.not_tracked = NotTracked::kNoNewImage;
+    if (!odometry_.known()) report.not_tracked = NotTracked::kNoOdometry;
+  }
   report.T_world_camera = T_world_camera();
   report.T_map_camera = map_reuse_.archive().T_map_camera(estimate_);
   measurement_.report(report);
@@ -299,17 +271,36 @@ void FrameTracker<Config, Filter>::report(Status status, FrameReport& report) {
   work_.end(measurement_.deferred(), report, health_);
 }
 
+/// Where inputs are in doubt, the camera's height among them, or the body tilts too far, the
+/// landmarks' agreement does not make the pose known.
 template <class Config, class Filter>
-NotTracked FrameTracker<Config, Filter>::why_not_tracked(Status status) const {
-  const MeasurementCounts& counts = measurement_.counts();
-  if (monitor_.holds(counts)) return NotTracked::kTracked;
-  if (!odometry_.known()) return NotTracked::kNoOdometry;
-  if (status == Status::kRepeatedImage) return NotTracked::kNoNewImage;
-  if (!counts.could_search) return NotTracked::kNoWork;
-  if (counts.searched < monitor_.parameters().min_inliers) return local_map_.shortage();
-  const bool found =
-      counts.matches >= monitor_.parameters().min_inliers && monitor_.enough_matches(counts);
-  return found ? NotTracked::kNoConsensus : NotTracked::kNotFound;
+TrackingState FrameTracker<Config, Filter>::state() const {
+  const TrackingState state = monitor_.state();
+  const bool doubted =
+      doubt_.contradicts(odometry_) || ground().suspect() || estimate_.tilts_too_far();
+  return state == TrackingState::kTracking && doubted ? TrackingState::kUncertain : state;
+}
+
+template <class Config, class Filter>
+bool FrameTracker<Config, Filter>::unsure() const {
+  return monitor_.state() != TrackingState::kInitialising &&
+         doubt_.heading_unsure(odometry_.yaw_variance());
+}
+
+/// From odometry's pose, as unsure as it is. What was mapped before would be found in the new map's
+/// place by chance; the library keeps it.
+template <class Config, class Filter>
+void FrameTracker<Config, Filter>::begin_anew(Frame& frame) {
+  local_map_.drop_seeds();
+  for (int slot = estimate_.size() - 1; slot >= 0; --slot) {
+    if (estimate_.landmarks().find(estimate_.id(slot)) == nullptr) continue;
+    if (!frame.work.take(work::kRemoval)) return;
+    estimate_.remove(frame, slot);
+  }
+  map_reuse_.end_relocalisation();
+  monitor_.restart();
+  doubt_.trust_pose();
+  odometry_.forget_yaw();
 }
 
 template <class Config, class Filter>
