@@ -8,28 +8,14 @@
 #include "cairn/estimation/observation.hpp"
 #include "cairn/geometry/camera.hpp"
 #include "cairn/geometry/rigid.hpp"
-#include "cairn/mono/detail/sparse_rows.hpp"
-#include "cairn/mono/models.hpp"
+#include "cairn/mono/camera_motion.hpp"
+#include "cairn/mono/covariance_guard.hpp"
+#include "cairn/mono/fading_memory.hpp"
+#include "cairn/mono/feature_map.hpp"
 #include "cairn/mono/parameters.hpp"
-#include "cairn/numeric/packed_symmetric.hpp"
 #include "cairn/numeric/random.hpp"
 
 namespace cairn {
-
-/// How a feature is written in the state.
-enum class FeatureKind : std::uint8_t {
-  kInverseDepth,  ///< anchor (3, shared) and theta, phi, rho: m = B direction(theta, phi)
-  kPoint,         ///< world point, m
-  kDirection,     ///< theta, phi alone: a point at infinity (MotionModel::kRotationOnly)
-};
-
-/// Visual record of one feature, for the caller's map management.
-struct FeatureStatistics {
-  int predicted = 0;           ///< updates in which it was predicted inside the image
-  int measured = 0;            ///< updates that used its measurement
-  int consecutive_misses = 0;  ///< predicted and not used, since the last use
-  int out_of_view = 0;         ///< updates outside the image since it was last inside
-};
 
 /// When prune() removes a feature.
 struct FeaturePolicy {
@@ -69,7 +55,7 @@ class MonoEkf {
   using Parameters = MonoParameters<T>;
   static constexpr int kMaxFeatures = MaxFeatures;
   static constexpr int kMaxAnchors = MaxAnchors;
-  static constexpr int kMaxCameraStates = 14;
+  static constexpr int kMaxCameraStates = mono::CameraBlock<T>::kMaxStates;
   static constexpr int kMaxStates = kMaxCameraStates + 3 * (MaxFeatures + MaxAnchors);
 
   /// Starts over: pose at the origin, no features, Health zero. kBadConfig (nothing changed) when
@@ -103,16 +89,16 @@ class MonoEkf {
   /// frame that can pay for fewer.
   void set_triple_limit(int most) { triple_limit_ = most; }
 
-  int feature_count() const { return feature_count_; }
-  int anchor_count() const { return anchor_count_; }
-  int state_size() const { return covariance_.size(); }
+  int feature_count() const { return features_.size(); }
+  int anchor_count() const { return features_.anchor_count(); }
+  int state_size() const { return state_.size(); }
   /// Identity of the feature in `slot`, 0 <= slot < feature_count(). Removing a feature moves the
   /// last one into its slot.
   LandmarkId feature_id(int slot) const { return features_[slot].id; }
   FeatureKind feature_kind(int slot) const { return features_[slot].kind; }
   const FeatureStatistics& feature_statistics(int slot) const { return features_[slot].statistics; }
   /// Slot of `id`, -1 if there is none.
-  int find(LandmarkId id) const;
+  int find(LandmarkId id) const { return features_.find(id); }
 
   /// Where the feature is expected in the image, and S = H P H' + R. kInvalidArgument for a bad
   /// slot; kOutOfView behind the camera or outside the image, `prediction` untouched.
@@ -168,87 +154,31 @@ class MonoEkf {
   T typical_inverse_depth() const {
     T inverse_depth = first_inverse_depth_;
     T sigma = first_inverse_depth_sigma_;
-    expected_inverse_depth(inverse_depth, sigma);
+    features_.expected_inverse_depth(state_, inverse_depth, sigma);
     return inverse_depth;
   }
   /// Camera with the focal length as it is estimated.
-  PinholeCamera<T> camera() const { return camera_at(x_); }
+  PinholeCamera<T> camera() const { return state_.camera.camera(state_.x); }
   /// Standard deviation of the focal length, as a share of it; 0 where it is not estimated.
   T focal_sigma() const;
   const Parameters& parameters() const { return parameters_; }
   /// Element of the covariance of the whole state. Domain: indices below state_size().
-  T covariance(int i, int j) const { return covariance_(i, j); }
+  T covariance(int i, int j) const { return state_.covariance(i, j); }
   /// Factor of the last fading: Parameters::fading_factor or what the innovations asked for.
-  T last_fading_factor() const { return last_fading_factor_; }
+  T last_fading_factor() const { return memory_.last_factor(); }
   const Health& health() const { return health_; }
   /// Fingerprint of estimate, covariance and features.
   void hash(Hash64& hash) const;
 
  private:
-  struct Feature {
-    LandmarkId id = kNoLandmark;
-    FeatureKind kind = FeatureKind::kInverseDepth;
-    int at = 0;                                           ///< first index of its block in the state
-    int anchor = -1;                                      ///< index into anchors_, -1 for none
-    Matrix3<T> R_world_feature = Matrix3<T>::Identity();  ///< axes of theta and phi
-    T first_inverse_depth = T(0);
-    FeatureStatistics statistics;
-  };
-  struct Anchor {
-    int at = 0;
-    int users = 0;
-  };
-  /// Offsets of the camera block's parts; -1 for a part that the motion model lacks.
-  struct Layout {
-    int position = -1;
-    int lever = -1;
-    int quaternion = 0;
-    int focal = -1;
-    int velocity = -1;
-    int rate = 0;
-    int measured = 0;  ///< pixels depend on the columns [0, measured) of the camera block
-    int size = 0;
-    int block = 3;  ///< size of a feature or anchor block
-  };
+  using Features = mono::FeatureMap<T, MaxFeatures, MaxAnchors>;
+  using State = typename Features::State;
   using Rows2 = mono::SparseRows<T, 2>;
   using Rows3 = mono::SparseRows<T, 3>;
-  using Covariance = PackedSymmetric<T, kMaxStates>;
-  /// Matches whose part of P is subtracted in one pass.
-  static constexpr int kPendingPairs = 4;
+  static constexpr int kPendingPairs = State::kPendingPairs;
 
-  // Camera block.
-  static Layout make_layout(const Parameters& parameters);
-  Vector<T, 4> quaternion_at(const T* x) const;
-  Vector3<T> position_at(const T* x) const;
-  PinholeCamera<T> camera_at(const T* x) const;
-  T focal_factor_at(const T* x) const { return layout_.focal < 0 ? T(1) : T(1) + x[layout_.focal]; }
-  static Vector3<T> vector3_at(const T* x, int at) { return {x[at], x[at + 1], x[at + 2]}; }
-  /// Columns of the camera block for a function of position, attitude and focal length.
-  void add_camera_run(Rows2& rows, const Matrix<T, 2, 3>& wrt_position,
-                      const Matrix<T, 2, 4>& wrt_q, const Vector2<T>& wrt_focal) const;
-  /// Columns of the camera block for a function of the position alone.
-  template <int Rows>
-  void add_position_run(mono::SparseRows<T, Rows>& rows,
-                        const Matrix<T, Rows, 3>& wrt_position) const;
-
-  // Prediction.
-  void propagate(const mono::RotationStep<T>& step, T dt_s);
-  void apply_transition(const mono::RotationStep<T>& step, T dt_s, T* v) const;
-  void set_process_noise(const mono::RotationStep<T>& step, T dt_s);
-  void add_process_noise();
-  void add_rounding_noise(T dt_s);
-  T attitude_variance() const;
-  void inflate_attitude(T variance);
+  const mono::CameraLayout& layout() const { return state_.layout(); }
   void fade(T factor, bool keep_process_noise);
-  void fading_limits(T* limit) const;
-
-  // Measurement.
-  Vector3<T> ray_at(const T* x, const Feature& feature, T inverse_depth) const;
-  T inverse_depth_at(const T* x, const Feature& feature) const;
-  Status pixel_at(const T* x, int slot, Vector2<T>& pixel) const;
-  Status linearise(int slot, Vector2<T>& pixel, Rows2& rows) const;
-
-  // Update.
   Status check_matches(const PixelMatch<T>* matches, int count) const;
   void count_visibility();
   int evaluate_hypothesis(const PixelMatch<T>* matches, int count, int candidate,
@@ -261,42 +191,15 @@ class MonoEkf {
   void adapt_memory(const PixelMatch<T>* matches, int count, const bool* use);
   int apply(PixelMatch<T>* matches, int count, const bool* use, UpdateReport& report);
   void correct_state(const T* delta);
-  void guard_covariance();
-  bool features_sound(int slot, int other) const;
-  void forget_correlations();
   void rescue(const PixelMatch<T>* matches, int count, bool* rescued) const;
-
-  // Features.
-  void expected_inverse_depth(T& inverse_depth, T& sigma) const;
-  void append_feature(const Rows3& rows, const Matrix2<T>& noise, T sigma, bool with_depth);
-  void point_rows(const Feature& feature, Vector3<T>& p_world, Rows3& rows) const;
-  int anchor_for_new_feature();
-  void move_to_camera(Feature& feature);
-  void release_anchor(int anchor);
-  void remove_block(int at);
-  void convert_linear_features();
-  bool is_linear(const Feature& feature) const;
-  void convert_to_point(Feature& feature);
 
   Parameters parameters_;
   int triple_limit_ = 1 << 20;
-  PinholeCamera<T> camera_;
-  Layout layout_;
-  T x_[kMaxStates] = {};
-  Covariance covariance_;
-  /// Scratch: V of P - V^T V in an update, H P where a block is added or rewritten.
-  T scratch_[2 * kPendingPairs][kMaxStates] = {};
-  PackedSymmetric<T, kMaxCameraStates> process_noise_;  ///< Q of the last prediction
-  Feature features_[MaxFeatures];
-  Anchor anchors_[MaxAnchors];
-  int feature_count_ = 0;
-  int anchor_count_ = 0;
-  int frame_anchor_ = -1;  ///< anchor of the features added in this frame
-  int next_conversion_ = 0;
-  int next_check_ = 0;           ///< pair of features whose covariance is checked next
-  bool unsound_ = false;         ///< an innovation covariance or a correction was impossible
-  T innovation_memory_ = T(-1);  ///< strong tracking's V, px^2 per coordinate; negative: none yet
-  T last_fading_factor_ = T(1);
+  State state_;
+  mono::CameraMotion<T> motion_;
+  mono::FadingMemory<T> memory_;
+  mono::CovarianceGuard<T> guard_;
+  Features features_;
   T first_inverse_depth_ = T(1);  ///< of features while the map knows no better, and its deviation
   T first_inverse_depth_sigma_ = T(1);
   bool initialised_ = false;
@@ -305,10 +208,7 @@ class MonoEkf {
 
 }  // namespace cairn
 
-#include "cairn/mono/detail/mono_ekf_covariance_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_features_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_measure_impl.hpp"
-#include "cairn/mono/detail/mono_ekf_points_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_predict_impl.hpp"
-#include "cairn/mono/detail/mono_ekf_rotation_impl.hpp"
 #include "cairn/mono/detail/mono_ekf_update_impl.hpp"

@@ -7,13 +7,13 @@ namespace cairn {
 template <class T, int MaxFeatures, int MaxAnchors>
 Status MonoEkf<T, MaxFeatures, MaxAnchors>::check_matches(const PixelMatch<T>* matches,
                                                           int count) const {
-  if (count < 0 || count > feature_count_ || (count > 0 && matches == nullptr)) {
+  if (count < 0 || count > features_.size() || (count > 0 && matches == nullptr)) {
     return Status::kInvalidArgument;
   }
   bool seen[MaxFeatures] = {};
   for (int i = 0; i < count; ++i) {
     const int slot = matches[i].slot;
-    if (slot < 0 || slot >= feature_count_ || features_[slot].id != matches[i].id || seen[slot]) {
+    if (slot < 0 || slot >= features_.size() || features_[slot].id != matches[i].id || seen[slot]) {
       return Status::kInvalidArgument;
     }
     seen[slot] = true;
@@ -26,10 +26,11 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::check_matches(const PixelMatch<T>* m
 
 template <class T, int MaxFeatures, int MaxAnchors>
 void MonoEkf<T, MaxFeatures, MaxAnchors>::count_visibility() {
-  for (int slot = 0; slot < feature_count_; ++slot) {
+  for (int slot = 0; slot < features_.size(); ++slot) {
     FeatureStatistics& statistics = features_[slot].statistics;
     Vector2<T> pixel;
-    if (ok(pixel_at(x_, slot, pixel)) && camera_.contains(pixel)) {
+    if (ok(features_.pixel_at(state_, state_.x, slot, pixel)) &&
+        state_.camera.told().contains(pixel)) {
       ++statistics.predicted;
       ++statistics.consecutive_misses;  // 0 again where the measurement is used
       statistics.out_of_view = 0;
@@ -48,9 +49,9 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_hypothesis(const PixelMatch<T>
   const PixelMatch<T>& match = matches[candidate];
   Vector2<T> pixel;
   Rows2 rows;
-  if (!ok(linearise(match.slot, pixel, rows))) return 0;
+  if (!ok(features_.linearise(state_, parameters_, match.slot, pixel, rows))) return 0;
   T gain[2][kMaxStates];
-  mono::multiply(rows, covariance_, gain);
+  mono::multiply(rows, state_.covariance, gain);
   const T variance = square(parameters_.sigma_px);
   T ia = T(0), ib = T(0), ic = T(0);
   if (!invert_spd2(rows.dot(0, gain[0]) + variance, rows.dot(1, gain[0]),
@@ -61,7 +62,7 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_hypothesis(const PixelMatch<T>
   const T g0 = ia * nu.x() + ib * nu.y();
   const T g1 = ib * nu.x() + ic * nu.y();
   T x[kMaxStates];
-  for (int i = 0; i < covariance_.size(); ++i) x[i] = x_[i] + (gain[0][i] * g0 + gain[1][i] * g1);
+  for (int i = 0; i < state_.size(); ++i) x[i] = state_.x[i] + (gain[0][i] * g0 + gain[1][i] * g1);
   return mark_inliers(x, matches, count, inliers);
 }
 
@@ -75,7 +76,7 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_triple(const PixelMatch<T>* ma
     T nis = T(0);
     if (fuse(matches[candidates[k]], k, x, nis) != Fusion::kDone) return 0;
   }
-  for (int i = 0; i < covariance_.size(); ++i) x[i] += x_[i];
+  for (int i = 0; i < state_.size(); ++i) x[i] += state_.x[i];
   return mark_inliers(x, matches, count, inliers);
 }
 
@@ -83,16 +84,16 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::evaluate_triple(const PixelMatch<T>* ma
 template <class T, int MaxFeatures, int MaxAnchors>
 int MonoEkf<T, MaxFeatures, MaxAnchors>::mark_inliers(T* x, const PixelMatch<T>* matches, int count,
                                                       bool* inliers) const {
-  const Vector<T, 4> q = quaternion_at(x);
+  const Vector<T, 4> q = state_.camera.quaternion(x);
   const T norm = sqrt(q.dot(q));
   if (!(norm > T(0.1))) return 0;
-  for (int i = 0; i < 4; ++i) x[layout_.quaternion + i] /= norm;
+  for (int i = 0; i < 4; ++i) x[layout().quaternion + i] /= norm;
 
   const T limit = parameters_.inlier_gate * square(parameters_.sigma_px);
   int inlier_count = 0;
   for (int j = 0; j < count; ++j) {
     Vector2<T> expected;
-    if (!ok(pixel_at(x, matches[j].slot, expected))) continue;
+    if (!ok(features_.pixel_at(state_, x, matches[j].slot, expected))) continue;
     const Vector2<T> difference = matches[j].pixel - expected;
     if (!(difference.dot(difference) < limit)) continue;
     inliers[j] = true;
@@ -101,38 +102,26 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::mark_inliers(T* x, const PixelMatch<T>*
   return inlier_count;
 }
 
-/// Strong tracking (Zhou and Frank 1996): the factor lambda by which H F P F' H' falls short of
-/// what the low-innovation inliers' residuals show. V <- (rho V + nu nu') / (1 + rho), N = V - H Q
-/// H' - beta R, M = H F P F' H', lambda = max(1, tr N / tr M), P <- lambda F P F' + Q.
+/// Fades by what the low-innovation inliers show to be missing.
 template <class T, int MaxFeatures, int MaxAnchors>
 void MonoEkf<T, MaxFeatures, MaxAnchors>::adapt_memory(const PixelMatch<T>* matches, int count,
                                                        const bool* use) {
-  T nu_squared = T(0), noise = T(0), spread = T(0);
-  int used = 0;
+  typename mono::FadingMemory<T>::Residuals residuals;
   for (int i = 0; i < count; ++i) {
     Vector2<T> pixel;
     Rows2 rows;
-    if (!use[i] || !ok(linearise(matches[i].slot, pixel, rows))) continue;
+    if (!use[i] || !ok(features_.linearise(state_, parameters_, matches[i].slot, pixel, rows))) {
+      continue;
+    }
     const Vector2<T> nu = matches[i].pixel - pixel;
-    const Matrix2<T> whole = mono::quadratic(rows, covariance_);
-    const Matrix2<T> driven = mono::quadratic(rows, 1, process_noise_);  // run 0: camera block
-    nu_squared += nu.dot(nu);
-    noise += driven(0, 0) + driven(1, 1);
-    spread += whole(0, 0) + whole(1, 1);
-    ++used;
+    const Matrix2<T> whole = mono::quadratic(rows, state_.covariance);
+    const Matrix2<T> driven = mono::quadratic(rows, 1, motion_.noise());  // run 0: camera block
+    residuals.nu_squared += nu.dot(nu);
+    residuals.driven += driven(0, 0) + driven(1, 1);
+    residuals.whole += whole(0, 0) + whole(1, 1);
+    ++residuals.used;
   }
-  if (used == 0) return;
-  const T coordinates = static_cast<T>(2 * used);
-  const T fresh = nu_squared / coordinates;
-  const T rho = parameters_.adaptive_memory;
-  innovation_memory_ =
-      innovation_memory_ < T(0) ? fresh : (rho * innovation_memory_ + fresh) / (T(1) + rho);
-  const T excess = innovation_memory_ - noise / coordinates -
-                   parameters_.adaptive_softening * square(parameters_.sigma_px);
-  const T explained = (spread - noise) / coordinates;
-  T factor = explained > T(1e-9) ? excess / explained : T(1);
-  factor = clamp(factor, T(1), parameters_.adaptive_max_factor);
-  fade(factor, true);
+  if (residuals.used > 0) fade(memory_.factor_for(residuals, parameters_), true);
 }
 
 /// One match of an update, linearised at x: adds its correction to `delta` and leaves its whitened
@@ -143,18 +132,19 @@ template <class T, int MaxFeatures, int MaxAnchors>
 typename MonoEkf<T, MaxFeatures, MaxAnchors>::Fusion MonoEkf<T, MaxFeatures, MaxAnchors>::fuse(
     const PixelMatch<T>& match, int pairs, T* delta, T& nis) {
   const T variance = square(parameters_.sigma_px);
-  const int n = covariance_.size();
+  const int n = state_.size();
   Vector2<T> pixel;
   Rows2 rows;
-  if (!ok(linearise(match.slot, pixel, rows))) return Fusion::kOutOfView;
-  T(*const gain)[kMaxStates] = scratch_ + 2 * pairs;
-  mono::multiply(rows, covariance_, gain);
-  for (int k = 0; k < pairs; ++k) mono::subtract_pending(rows, scratch_ + 2 * k, n, gain);
+  if (!ok(features_.linearise(state_, parameters_, match.slot, pixel, rows)))
+    return Fusion::kOutOfView;
+  T(*const gain)[kMaxStates] = state_.scratch + 2 * pairs;
+  mono::multiply(rows, state_.covariance, gain);
+  for (int k = 0; k < pairs; ++k) mono::subtract_pending(rows, state_.scratch + 2 * k, n, gain);
   const T nu0 = match.pixel.x() - pixel.x() - rows.dot(0, delta);
   const T nu1 = match.pixel.y() - pixel.y() - rows.dot(1, delta);
-  const T s00 = rows.dot(0, gain[0]) + variance + mono::rounding_noise(rows, 0, covariance_);
+  const T s00 = rows.dot(0, gain[0]) + variance + mono::rounding_noise(rows, 0, state_.covariance);
   const T s10 = rows.dot(1, gain[0]);
-  const T s11 = rows.dot(1, gain[1]) + variance + mono::rounding_noise(rows, 1, covariance_);
+  const T s11 = rows.dot(1, gain[1]) + variance + mono::rounding_noise(rows, 1, state_.covariance);
   // gain <- L^-1 gain with S = L L^T, so that K nu = gain^T (L^-1 nu).
   const T l00 = s00 > T(0) ? T(1) / sqrt(s00) : T(0);
   const T l10 = s10 * l00;
@@ -183,13 +173,13 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count
   T delta[kMaxStates] = {};
   int pairs = 0;
   int used = 0;
-  covariance_.inflate_diagonal(kRoundingNoise<T>);
+  state_.covariance.inflate_diagonal(kRoundingNoise<T>);
   for (int m = 0; m < count; ++m) {
     T nis = T(0);
     const Fusion fusion = use[m] ? fuse(matches[m], pairs, delta, nis) : Fusion::kOutOfView;
     if (fusion == Fusion::kSingular) {
       ++health_.innovations_singular;
-      unsound_ = true;
+      guard_.note_unsound();
     }
     if (fusion != Fusion::kDone) continue;
     report.nis += static_cast<float>(nis);
@@ -197,12 +187,12 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count
     matches[m].inlier = true;
     ++used;
     if (++pairs == kPendingPairs) {
-      covariance_.template downdate<2 * kPendingPairs, kMaxStates>(scratch_[0]);
+      state_.covariance.template downdate<2 * kPendingPairs, kMaxStates>(state_.scratch[0]);
       pairs = 0;
     }
   }
   for (int k = 0; k < pairs; ++k) {
-    covariance_.template downdate<2, kMaxStates>(scratch_[2 * k]);
+    state_.covariance.template downdate<2, kMaxStates>(state_.scratch[2 * k]);
   }
   if (used > 0) correct_state(delta);
   return used;
@@ -213,31 +203,33 @@ int MonoEkf<T, MaxFeatures, MaxAnchors>::apply(PixelMatch<T>* matches, int count
 template <class T, int MaxFeatures, int MaxAnchors>
 void MonoEkf<T, MaxFeatures, MaxAnchors>::correct_state(const T* delta) {
   bool finite = true;
-  for (int i = 0; i < covariance_.size(); ++i) finite = finite && is_finite(x_[i] + delta[i]);
+  for (int i = 0; i < state_.size(); ++i) finite = finite && is_finite(state_.x[i] + delta[i]);
   if (!finite) {
-    unsound_ = true;
+    guard_.note_unsound();
     return;
   }
-  for (int i = 0; i < covariance_.size(); ++i) x_[i] += delta[i];
-  const Vector<T, 4> q = quaternion_at(x_);
+  for (int i = 0; i < state_.size(); ++i) state_.x[i] += delta[i];
+  const Vector<T, 4> q = state_.quaternion();
   const T norm = sqrt(q.dot(q));
   if (norm > T(0.1)) {
-    const T before = attitude_variance() / (norm * norm);
-    mono::transform_block(covariance_, layout_.quaternion, mono::normalisation_jacobian<T>(q));
-    inflate_attitude(before);
-    for (int i = 0; i < 4; ++i) x_[layout_.quaternion + i] = q(i) / norm;
+    const T before = state_.attitude_variance() / (norm * norm);
+    mono::transform_block(state_.covariance, layout().quaternion,
+                          mono::normalisation_jacobian<T>(q));
+    state_.inflate_attitude(before);
+    for (int i = 0; i < 4; ++i) state_.x[layout().quaternion + i] = q(i) / norm;
   } else {
-    for (int i = 0; i < 4; ++i) x_[layout_.quaternion + i] = i == 0 ? T(1) : T(0);
+    for (int i = 0; i < 4; ++i) state_.x[layout().quaternion + i] = i == 0 ? T(1) : T(0);
     ++health_.resets;
   }
-  for (int i = 0; i < feature_count_; ++i) {
+  for (int i = 0; i < features_.size(); ++i) {
     if (features_[i].kind != FeatureKind::kInverseDepth) continue;
-    T& rho = x_[features_[i].at + 2];
+    T& rho = state_.x[features_[i].at + 2];
     if (rho >= parameters_.min_inverse_depth) continue;
     rho = parameters_.min_inverse_depth;
     ++health_.depth_repairs;
   }
-  if (layout_.focal >= 0) x_[layout_.focal] = clamp(x_[layout_.focal], T(-0.5), T(1));
+  if (layout().focal >= 0)
+    state_.x[layout().focal] = clamp(state_.x[layout().focal], T(-0.5), T(1));
 }
 
 /// Matches that the first update left out and that fit the updated state: nu' S^-1 nu below the
@@ -250,8 +242,10 @@ void MonoEkf<T, MaxFeatures, MaxAnchors>::rescue(const PixelMatch<T>* matches, i
     rescued[i] = false;
     Vector2<T> pixel;
     Rows2 rows;
-    if (matches[i].inlier || !ok(linearise(matches[i].slot, pixel, rows))) continue;
-    const Matrix2<T> s = mono::quadratic(rows, covariance_);
+    if (matches[i].inlier ||
+        !ok(features_.linearise(state_, parameters_, matches[i].slot, pixel, rows)))
+      continue;
+    const Matrix2<T> s = mono::quadratic(rows, state_.covariance);
     T ia = T(0), ib = T(0), ic = T(0);
     if (!invert_spd2(s(0, 0) + variance, s(0, 1), s(1, 1) + variance, ia, ib, ic)) continue;
     const Vector2<T> nu = matches[i].pixel - pixel;
@@ -307,9 +301,10 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::update(PixelMatch<T>* matches, int c
   }
   health_.innovations_used += static_cast<std::uint32_t>(count - report.gated);
   health_.innovations_gated += static_cast<std::uint32_t>(report.gated);
-  guard_covariance();
-  if (layout_.lever >= 0) frame_anchor_ = -1;  // (R - I) lever is an anchor to first order only
-  convert_linear_features();
+  guard_.check(state_, features_, health_);
+  if (layout().lever >= 0)
+    features_.leave_anchor();  // (R - I) lever is an anchor to first order only
+  features_.convert_linear_features(state_, parameters_);
   return Status::kOk;
 }
 
