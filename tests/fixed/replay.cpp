@@ -29,9 +29,11 @@ cairn::FixedVariance variance(int bits) {
 /// A car that drives circles of about 6 m through a square of 24 m with landmarks anywhere.
 class World {
  public:
-  explicit World(std::uint64_t seed) : random_(seed) {
+  /// `left_m`: by which the landmarks lie to the left of the start, where the circles are.
+  explicit World(std::uint64_t seed, int left_m = 0) : random_(seed) {
     for (auto& landmark : landmarks_) {
       for (int i = 0; i < 2; ++i) landmark[i] = noise(kUnit + 4) * 3 / 2;
+      landmark[1] += std::int64_t{left_m} << kUnit;
       landmark[2] = random_.below(5 << (kUnit - 1));
     }
   }
@@ -71,6 +73,7 @@ class World {
     for (int i = 0; i < 4; ++i) sum += random_.below(1 << (bits - 2)) - (1 << (bits - 3));
     return sum;
   }
+  bool one_in_four() { return random_.below(4) == 0; }
   /// A landmark from the vehicle, in the world's axes.
   void relative(int landmark, cairn::FixedLength (&r)[3]) const {
     for (int i = 0; i < 3; ++i) {
@@ -145,39 +148,73 @@ int look(Filter& filter, World& world, int turn) {
   return ok(status) ? report.nis_dof / 2 : -1;
 }
 
-/// The same with a camera, 1 m high, that looks ahead.
-int look_by_camera(World& world) {
+/// 1 m high on the vehicle, looks ahead.
+struct Eye {
   cairn::FixedCamera camera;
-  camera.width = 320;
-  camera.height = 240;
-  camera.fx = camera.fy = cairn::FixedPixel::from_raw(200 << 16);
-  camera.cx = cairn::FixedPixel::from_raw(160 << 16);
-  camera.cy = cairn::FixedPixel::from_raw(120 << 16);
-  camera.k1 = cairn::FixedTangent::from_raw(-(1 << 25));
   cairn::FixedMount mount;
-  mount.w = mount.y = cairn::FixedRatio::from_raw(1 << 29);
-  mount.x = mount.z = cairn::FixedRatio::from_raw(-(1 << 29));
-  mount.origin[2] = cairn::FixedLength::from_raw(1 << kUnit);
-  cairn::FixedRatio sine;
-  cairn::FixedRatio cosine;
-  sin_cos(world.heading(), sine, cosine);
-  std::uint32_t none = 0;
-  const cairn::detail::FixedCameraView view(camera, mount, cosine, sine, &world.tilt(), none);
+
+  Eye() {
+    camera.width = 320;
+    camera.height = 240;
+    camera.fx = camera.fy = cairn::FixedPixel::from_raw(200 << 16);
+    camera.cx = cairn::FixedPixel::from_raw(160 << 16);
+    camera.cy = cairn::FixedPixel::from_raw(120 << 16);
+    camera.k1 = cairn::FixedTangent::from_raw(-(1 << 25));
+    mount.w = mount.y = cairn::FixedRatio::from_raw(1 << 29);
+    mount.x = mount.z = cairn::FixedRatio::from_raw(-(1 << 29));
+    mount.origin[2] = cairn::FixedLength::from_raw(1 << kUnit);
+  }
+  cairn::detail::FixedCameraView view(const World& world) const {
+    cairn::FixedRatio sine;
+    cairn::FixedRatio cosine;
+    sin_cos(world.heading(), sine, cosine);
+    std::uint32_t none = 0;
+    return {camera, mount, cosine, sine, &world.tilt(), none};
+  }
+};
+
+/// What the camera sees of a landmark.
+struct InView {
+  std::int32_t y[2];  ///< in the vehicle's axes
+  cairn::FixedLength r[3];
+  cairn::detail::FixedPixelRows rows;
+
+  bool look(const World& world, const cairn::detail::FixedCameraView& view, int landmark) {
+    std::uint32_t none = 0;
+    world.relative(landmark, r);
+    return world.seen(landmark, y) && view.linearise(r, rows, none) &&
+           view.camera->contains(rows.pixel);
+  }
+};
+
+/// Whether there is room for another landmark once one that is out of view has left a full map.
+bool make_room(const World& world, const cairn::detail::FixedCameraView& view) {
+  auto& filter = camera_filter;
+  for (int slot = 0; slot < filter.landmark_count(); ++slot) {
+    if (filter.landmark_count() < cairn_test::CameraFilter::kMaxLandmarks) return true;
+    InView seen;
+    const auto landmark = static_cast<int>(filter.landmark_id(slot)) - 1;
+    if (!seen.look(world, view, landmark)) return ok(filter.remove_landmark(slot));
+  }
+  return true;
+}
+
+/// The same with a camera. `draws`: one pixel in four is anywhere, and a consensus decides.
+int look_by_camera(World& world, cairn::Random* draws) {
+  const Eye eye;
+  const cairn::detail::FixedCameraView view = eye.view(world);
   cairn::FixedPixelMatch matches[kWorldLandmarks];
   int count = 0;
   for (int i = 0; i < kWorldLandmarks; ++i) {
-    std::int32_t y[2];
-    cairn::FixedLength r[3];
-    cairn::detail::FixedPixelRows rows;
-    world.relative(i, r);
-    if (!world.seen(i, y) || !view.linearise(r, rows, none) || !camera.contains(rows.pixel)) {
-      continue;
-    }
+    InView seen;
+    if (!seen.look(world, view, i)) continue;
     const auto id = static_cast<cairn::LandmarkId>(i + 1);
     if (camera_filter.find(id) < 0) {
-      const cairn::FixedLength at[3] = {cairn::FixedLength::from_raw(y[0] + world.noise(16)),
-                                        cairn::FixedLength::from_raw(y[1] + world.noise(16)),
-                                        cairn::FixedLength::from_raw(r[2].raw() + world.noise(16))};
+      if (draws != nullptr && !make_room(world, view)) return -1;
+      const cairn::FixedLength at[3] = {
+          cairn::FixedLength::from_raw(seen.y[0] + world.noise(16)),
+          cairn::FixedLength::from_raw(seen.y[1] + world.noise(16)),
+          cairn::FixedLength::from_raw(seen.r[2].raw() + world.noise(16))};
       const cairn::FixedCovariance3 noise = {variance(34), variance(32), variance(33),
                                              {},           variance(31), variance(33)};
       const cairn::Status status = camera_filter.add_landmark(id, at, noise);
@@ -186,15 +223,20 @@ int look_by_camera(World& world) {
     }
     cairn::FixedPixelMatch& match = matches[count++];
     match.id = id;
+    const bool anywhere = draws != nullptr && world.one_in_four();
     for (int k = 0; k < 2; ++k) {
-      match.pixel[k] = cairn::FixedPixel::from_raw(rows.pixel[k].raw() + world.noise(18));
+      match.pixel[k] =
+          cairn::FixedPixel::from_raw(seen.rows.pixel[k].raw() + world.noise(anywhere ? 24 : 18));
     }
   }
   cairn::FixedUpdateReport report;
   const auto sigma = cairn::FixedPixel::from_raw(1 << 16);
   const cairn::Status status =
-      camera_filter.update_pixels(camera, mount, sigma, matches, count, report);
-  return ok(status) ? report.nis_dof / 2 : -1;
+      draws == nullptr
+          ? camera_filter.update_pixels(eye.camera, eye.mount, sigma, matches, count, report)
+          : camera_filter.update_pixels(eye.camera, eye.mount, sigma, matches, count, *draws,
+                                        report);
+  return ok(status) || status == cairn::Status::kNoConsensus ? report.nis_dof / 2 : -1;
 }
 
 template <class AnyFilter>
@@ -206,9 +248,11 @@ bool move(AnyFilter& any, World& world) {
 }
 
 template <class AnyFilter, class Look>
-bool run(const char* name, int seed, AnyFilter& any, const Look& look_around) {
-  World world(static_cast<std::uint64_t>(seed));
+bool run(const char* name, int seed, AnyFilter& any, const Look& look_around,
+         bool outliers = false) {
+  World world(static_cast<std::uint64_t>(seed), outliers ? 6 : 0);
   cairn::FixedPlanarParameters parameters;
+  if (outliers) parameters.gate = cairn::FixedScore::most();
   if (AnyFilter::kLandmarkDim == 3) {
     parameters.tilt.sigma_pitch = cairn::FixedAngle::from_raw(1 << 21);
     parameters.tilt.sigma_roll = cairn::FixedAngle::from_raw(1 << 21);
@@ -254,8 +298,13 @@ int main() {
     good = run("plane", seed, group_filter, by_points_and_ranges(group_filter)) && good;
     good = run("ekf", seed, ekf, by_points_and_ranges(ekf)) && good;
     good = run("camera", seed, camera_filter,
-               [](World& world, int) { return look_by_camera(world); }) &&
+               [](World& world, int) { return look_by_camera(world, nullptr); }) &&
            good;
+  }
+  for (int seed = 1; seed <= kSeeds; ++seed) {
+    cairn::Random draws(static_cast<std::uint64_t>(seed));
+    const auto by_consensus = [&draws](World& world, int) { return look_by_camera(world, &draws); };
+    good = run("consensus", seed, camera_filter, by_consensus, true) && good;
   }
   return good ? 0 : 1;
 }

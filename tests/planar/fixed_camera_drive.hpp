@@ -37,10 +37,12 @@ template <int MaxLandmarks>
 class FixedCameraDrive {
  public:
   using FixedFilter = FixedGroupSlam<MaxLandmarks, 3>;
-  using DoubleFilter = GroupIekfSlam<double, MaxLandmarks, 3>;
+  /// With a slot to spare, see take_motion_in().
+  using DoubleFilter = GroupIekfSlam<double, MaxLandmarks + 1, 3>;
   static constexpr int kWorld = 60;
 
-  FixedCameraDrive(std::uint64_t seed, bool tilts, double rest_sigmas = 0.0) : random_(seed) {
+  FixedCameraDrive(std::uint64_t seed, bool tilts, double rest_sigmas = 0.0, double gate = 1e9)
+      : random_(seed), fixed_draws_(seed), double_draws_(seed) {
     fixed_camera_.width = 640;
     fixed_camera_.height = 480;
     fixed_camera_.fx = FixedPixel::nearest(400.0);
@@ -82,9 +84,9 @@ class FixedCameraDrive {
     of_double(0, 0) = of_double(1, 1) = variance.to_double();
     of_double(2, 2) = covariance.heading.to_double();
     FixedPlanarParameters fixed_parameters;
-    fixed_parameters.gate = FixedScore::most();
+    fixed_parameters.gate = FixedScore::nearest(gate);
     PlanarParameters<double> parameters;
-    parameters.gate = 1e9;
+    parameters.gate = gate;
     fixed_parameters.rest_sigmas = FixedScore::nearest(rest_sigmas);
     parameters.rest_sigmas = rest_sigmas;
     if (tilts) {
@@ -138,25 +140,10 @@ class FixedCameraDrive {
   void look(double sigma = 0.5) {
     const FixedPixel sigma_px = FixedPixel::nearest(sigma);
     std::vector<FixedPixelMatch> matches;
-    std::vector<PixelObservation> seen;
     std::vector<int> unknown;
-    for (int i = 0; i < kWorld; ++i) {
-      Vector2<double> pixel;
-      const Vector3<double> body = in_body(world_[static_cast<std::size_t>(i)]);
-      if (!sees(body, pixel)) continue;
-      const auto id = static_cast<LandmarkId>(i + 1);
-      if (fixed_->find(id) < 0) {
-        unknown.push_back(i);
-        continue;
-      }
-      FixedPixelMatch match;
-      match.id = id;
-      for (int k = 0; k < 2; ++k) {
-        match.pixel[k] = FixedPixel::nearest(pixel(k) + sigma * normal());
-      }
-      matches.push_back(match);
-      seen.push_back({id, {match.pixel[0].to_double(), match.pixel[1].to_double()}});
-    }
+    match(sigma, 0.0, matches, unknown);
+    std::vector<PixelObservation> seen;
+    for (const FixedPixelMatch& match : matches) seen.push_back({match.id, pixel_of(match)});
     FixedUpdateReport report;
     UpdateReport expected;
     const auto count = static_cast<int>(matches.size());
@@ -169,10 +156,56 @@ class FixedCameraDrive {
             std::abs(report.nis.to_double() - static_cast<double>(expected.nis)) <
                 2e-2 * (1.0 + static_cast<double>(expected.nis));
     used_ += report.nis_dof / 2;
-    for (const int i : unknown) {
-      if (fixed_->landmark_count() < MaxLandmarks) add(i);
-    }
+    add_all(unknown);
   }
+
+  /// The same by the consensus of both filters, where a share of the pixels lies anywhere: half of
+  /// them within 40 px of the landmark's. Whether both used the same.
+  bool agree(double outliers, double sigma = 0.5) {
+    const FixedPixel sigma_px = FixedPixel::nearest(sigma);
+    std::vector<FixedPixelMatch> matches;
+    std::vector<int> unknown;
+    match(sigma, outliers, matches, unknown);
+    std::vector<PixelMatch<double>> expected(matches.size());
+    for (std::size_t k = 0; k < matches.size(); ++k) {
+      expected[k].id = matches[k].id;
+      expected[k].pixel = pixel_of(matches[k]);
+    }
+    const auto count = static_cast<int>(matches.size());
+    FixedUpdateReport report;
+    UpdateReport reference;
+    const Status status = fixed_->update_pixels(fixed_camera_, mount_, sigma_px, matches.data(),
+                                                count, fixed_draws_, report);
+    bool same = status == double_->update_pixels(camera_, T_vehicle_camera_, sigma_px.to_double(),
+                                                 expected.data(), count, double_draws_, reference);
+    same = same && report.matches == reference.matches && report.gated == reference.gated &&
+           report.hypotheses == reference.hypotheses &&
+           report.low_innovation == reference.low_innovation &&
+           report.high_innovation == reference.high_innovation &&
+           report.nis_dof == reference.nis_dof;
+    for (std::size_t k = 0; k < matches.size(); ++k) {
+      same = same && matches[k].inlier == expected[k].inlier;
+    }
+    good_ = good_ && (ok(status) || status == Status::kNoConsensus);
+    if (!ok(status)) ++without_consensus_;
+    hypotheses_ += report.hypotheses;
+    rescued_ += report.high_innovation;
+    used_ += report.nis_dof / 2;
+    add_all(unknown);
+    return same;
+  }
+  /// PlanarSlam takes the noise of the odometry in where the best hypothesis has moved the mean,
+  /// the fixed filter before: so does the reference after this.
+  void take_motion_in() {
+    if (double_->landmark_count() == 0) return;
+    constexpr LandmarkId kPlace = 1000;
+    good_ = good_ && ok(double_->add_position(kPlace)) &&
+            ok(double_->remove_landmark(double_->find(kPlace)));
+  }
+  int hypotheses() const { return hypotheses_; }
+  int rescued() const { return rescued_; }
+  int without_consensus() const { return without_consensus_; }
+  int outliers() const { return outliers_; }
 
   void add(int i) {
     const Vector3<double> body = in_body(world_[static_cast<std::size_t>(i)]);
@@ -271,6 +304,42 @@ class FixedCameraDrive {
   }
 
  private:
+  static Vector2<double> pixel_of(const FixedPixelMatch& match) {
+    return {match.pixel[0].to_double(), match.pixel[1].to_double()};
+  }
+  /// Pixels of what is in view: those known, and who is not.
+  void match(double sigma, double outliers, std::vector<FixedPixelMatch>& matches,
+             std::vector<int>& unknown) {
+    for (int i = 0; i < kWorld; ++i) {
+      Vector2<double> pixel;
+      const Vector3<double> body = in_body(world_[static_cast<std::size_t>(i)]);
+      if (!sees(body, pixel)) continue;
+      const auto id = static_cast<LandmarkId>(i + 1);
+      if (fixed_->find(id) < 0) {
+        unknown.push_back(i);
+        continue;
+      }
+      if (outliers > 0.0 && uniform() < outliers) {
+        ++outliers_;
+        if (uniform() < 0.5) {
+          pixel += 80.0 * Vector2<double>(uniform() - 0.5, uniform() - 0.5);
+        } else {
+          pixel = {640.0 * uniform(), 480.0 * uniform()};
+        }
+      }
+      FixedPixelMatch match;
+      match.id = id;
+      for (int k = 0; k < 2; ++k) {
+        match.pixel[k] = FixedPixel::nearest(pixel(k) + sigma * normal());
+      }
+      matches.push_back(match);
+    }
+  }
+  void add_all(const std::vector<int>& unknown) {
+    for (const int i : unknown) {
+      if (fixed_->landmark_count() < MaxLandmarks) add(i);
+    }
+  }
   /// A world point in the tilted vehicle's axes.
   Vector3<double> in_body(const Vector3<double>& p) const {
     const double dx = p.x() - position_.x();
@@ -294,6 +363,8 @@ class FixedCameraDrive {
   }
 
   Random random_;
+  Random fixed_draws_;
+  Random double_draws_;
   FixedCamera fixed_camera_;
   FixedMount mount_;
   PinholeCamera<double> camera_;
@@ -306,6 +377,10 @@ class FixedCameraDrive {
   std::unique_ptr<DoubleFilter> double_ = std::make_unique<DoubleFilter>();
   bool good_ = false;
   int used_ = 0;
+  int hypotheses_ = 0;
+  int rescued_ = 0;
+  int without_consensus_ = 0;
+  int outliers_ = 0;
 };
 
 }  // namespace cairn::planar_test

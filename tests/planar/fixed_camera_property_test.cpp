@@ -45,6 +45,22 @@ FixedCamera any_camera() {
   return camera;
 }
 
+/// One match is a consensus.
+constexpr FixedRansacParameters kAnyone = [] {
+  FixedRansacParameters ransac;
+  ransac.min_inliers = 1;
+  ransac.min_inlier_share = FixedRatio();
+  return ransac;
+}();
+FixedRansacParameters any_ransac() {
+  FixedRansacParameters ransac;
+  ransac.probability = any<FixedRatio>();
+  ransac.max_hypotheses = *rc::gen::arbitrary<int>();
+  ransac.min_inliers = *rc::gen::arbitrary<int>();
+  ransac.min_inlier_share = any<FixedRatio>();
+  return ransac;
+}
+
 /// One call with arbitrary arguments; refusals are as good as any other answer.
 void step(Filter& filter) {
   const auto id = *rc::gen::inRange<LandmarkId>(0, 7);
@@ -57,6 +73,9 @@ void step(Filter& filter) {
       parameters.tilt.sigma_pitch = any<FixedAngle>();
       parameters.tilt.sigma_roll = any<FixedAngle>();
       parameters.tilt.time_constant = any<FixedOffset>();
+      parameters.ransac = *rc::gen::arbitrary<bool>() ? kAnyone : any_ransac();
+      parameters.ransac_threshold = any<FixedScore>();
+      parameters.rescue_gate = any<FixedScore>();
       (void)filter.initialise({any<FixedCoordinate>(), any<FixedCoordinate>(), any<FixedAngle>()},
                               covariance, parameters);
       return;
@@ -74,11 +93,21 @@ void step(Filter& filter) {
       (void)filter.predict_tilt(any<FixedOffset>());
       return;
     case 3: {
-      FixedPixelMatch match;
-      match.id = id;
-      for (FixedPixel& pixel : match.pixel) pixel = any<FixedPixel>();
+      FixedPixelMatch matches[5];
+      for (FixedPixelMatch& match : matches) {
+        match.id = *rc::gen::inRange<LandmarkId>(0, 7);
+        for (FixedPixel& pixel : match.pixel) pixel = any<FixedPixel>();
+      }
+      const int count = *rc::gen::inRange(0, 6);
       FixedUpdateReport report;
-      (void)filter.update_pixels(any_camera(), any_mount(), any<FixedPixel>(), &match, 1, report);
+      if (*rc::gen::arbitrary<bool>()) {
+        Random random(id);
+        (void)filter.update_pixels(any_camera(), any_mount(), any<FixedPixel>(), matches, count,
+                                   random, report);
+        return;
+      }
+      (void)filter.update_pixels(any_camera(), any_mount(), any<FixedPixel>(), matches, count,
+                                 report);
       return;
     }
     case 4: {
@@ -105,6 +134,7 @@ TEST(FixedPixelProperty, StaysSoundUnderAnyInput) {
   EXPECT_TRUE(rc::check([] {
     const auto filter = std::make_unique<Filter>();
     FixedPlanarParameters parameters;
+    parameters.ransac = kAnyone;
     if (*rc::gen::arbitrary<bool>()) {
       parameters.tilt.sigma_pitch = FixedAngle::nearest(0.01);
       parameters.tilt.sigma_roll = FixedAngle::nearest(0.02);

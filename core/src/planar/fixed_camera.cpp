@@ -252,12 +252,24 @@ FixedCameraView::FixedCameraView(const FixedCamera& pinhole, const FixedMount& m
   axes[1][2] = -sine_pitch;
 }
 
+void FixedCameraView::to_camera(const FixedLength (&relative)[3], FixedLength (&p)[3],
+                                Count& saturations) const {
+  R_camera_world.turn(relative, p, saturations);
+  for (int i = 0; i < 3; ++i) p[i] = add(p[i], t_camera[i], saturations);
+}
+
+bool FixedCameraView::see(const FixedLength (&relative)[3], FixedProjection& out,
+                          Count& saturations) const {
+  FixedLength p[3];
+  to_camera(relative, p, saturations);
+  return project(*camera, p, out, saturations);
+}
+
 bool FixedCameraView::linearise(const FixedLength (&relative)[3], FixedPixelRows& out,
                                 Count& saturations) const {
   constexpr FixedLength kNearest = FixedLength::nearest(0.3);
   FixedLength p[3];
-  R_camera_world.turn(relative, p, saturations);
-  for (int i = 0; i < 3; ++i) p[i] = add(p[i], t_camera[i], saturations);
+  to_camera(relative, p, saturations);
   if (p[2] < kNearest) return false;
   FixedProjection projection;
   if (!project(*camera, p, projection, saturations)) return false;

@@ -38,6 +38,12 @@ inline int hypotheses_needed(float probability, float inlier_share, int limit) {
   return needed < 1 ? 1 : needed;
 }
 
+inline int hypotheses_needed(const OnePointRansacParameters& parameters, int inlier_count,
+                             int count, int limit) {
+  const float share = static_cast<float>(inlier_count) / static_cast<float>(count);
+  return hypotheses_needed(parameters.probability, share, limit);
+}
+
 /// Whether `inlier_count` of `count` candidates passes both limits.
 inline bool is_consensus(int inlier_count, int count, const OnePointRansacParameters& parameters) {
   return inlier_count >= parameters.min_inliers &&
@@ -49,13 +55,13 @@ inline bool is_consensus(int inlier_count, int count, const OnePointRansacParame
 /// candidates without replacement; `evaluate(candidate, inliers)` forms the hypothesis of one
 /// candidate, marks its inliers and returns their number. The count of hypotheses is
 /// re-evaluated after every one (with the published MATLAB code it never is). Domain: 0 <= count <=
-/// Capacity. Cost: at most min(count, max_hypotheses) calls of `evaluate`.
+/// Capacity. Cost: at most min(count, max_hypotheses) calls of `evaluate`. `Parameters`: those
+/// above, or others with max_hypotheses for which hypotheses_needed() and is_consensus() exist.
 ///
 /// Source: J. Civera, O. Grasa, A. Davison, J. Montiel, "1-Point RANSAC for extended Kalman
 /// filtering", Journal of Field Robotics 27(5), 2010, algorithm 1.
-template <int Capacity, class Evaluate>
-OnePointRansacResult<Capacity> one_point_ransac(int count,
-                                                const OnePointRansacParameters& parameters,
+template <int Capacity, class Parameters = OnePointRansacParameters, class Evaluate>
+OnePointRansacResult<Capacity> one_point_ransac(int count, const Parameters& parameters,
                                                 Random& random, Evaluate&& evaluate) {
   OnePointRansacResult<Capacity> best;
   int order[Capacity];
@@ -73,8 +79,7 @@ OnePointRansacResult<Capacity> one_point_ransac(int count,
     best.inlier_count = inlier_count;
     best.candidate = candidate;
     for (int i = 0; i < count; ++i) best.inliers[i] = inliers[i];
-    const float share = static_cast<float>(inlier_count) / static_cast<float>(count);
-    needed = hypotheses_needed(parameters.probability, share, needed);
+    needed = hypotheses_needed(parameters, inlier_count, count, needed);
   }
   best.consensus = is_consensus(best.inlier_count, count, parameters);
   return best;

@@ -122,6 +122,13 @@ struct FixedCameraView {
   /// than 0.3 m or outside the camera's model.
   bool linearise(const FixedLength (&relative)[3], FixedPixelRows& out,
                  std::uint32_t& saturations) const;
+  /// Its pixel alone; false outside the camera's model.
+  bool see(const FixedLength (&relative)[3], FixedProjection& out,
+           std::uint32_t& saturations) const;
+
+ private:
+  void to_camera(const FixedLength (&relative)[3], FixedLength (&p)[3],
+                 std::uint32_t& saturations) const;
 };
 
 }  // namespace detail

@@ -3,15 +3,22 @@
 #include "cairn/base/fixed_vector.hpp"
 #include "cairn/base/hash.hpp"
 #include "cairn/base/health.hpp"
+#include "cairn/numeric/random.hpp"
 #include "cairn/planar/detail/landmark_slots.hpp"
 #include "cairn/planar/detail/reacquisition.hpp"
 #include "cairn/planar/fixed/camera.hpp"
+#include "cairn/planar/fixed/hypothesis.hpp"
 #include "cairn/planar/fixed/motion.hpp"
 #include "cairn/planar/fixed/rest.hpp"
 #include "cairn/planar/fixed/row_scaled_factor.hpp"
 #include "cairn/planar/fixed/sighting.hpp"
 
 namespace cairn {
+
+namespace detail {
+template <class Filter>
+class FixedPixelUpdate;
+}
 
 /// Error of FixedPlanarSlam's states: GroupErrorModel's or WorldErrorModel's.
 enum class FixedError : std::uint8_t { kGroup, kWorld };
@@ -82,6 +89,19 @@ class FixedPlanarSlam {
   Status update_pixels(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
                        FixedPixel sigma_px, FixedPixelMatch* matches, int count,
                        FixedUpdateReport& report);
+  /// As PlanarSlam::update_pixels(), with the same draws of `random`: 1-point RANSAC, update with
+  /// the inliers of the best hypothesis, rescue of the others. Errors: as above; kNoConsensus.
+  /// Cost: as update_points(), and for each of at most max_hypotheses hypotheses n (n + 1)
+  /// multiply-adds and a projection for each match.
+  Status update_pixels(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
+                       FixedPixel sigma_px, FixedPixelMatch* matches, int count, Random& random,
+                       FixedUpdateReport& report);
+  /// What update_pixels() asks of a consensus from now on. kInvalidArgument outside its domain.
+  Status set_ransac(const FixedRansacParameters& ransac) {
+    if (!ransac.valid()) return Status::kInvalidArgument;
+    parameters_.ransac = ransac;
+    return Status::kOk;
+  }
 
   /// As PlanarSlam::update_height(). Errors: kNotInitialised, kNotFound, kInvalidArgument (sigma,
   /// gate); kGated. Cost: as one pixel.
@@ -141,20 +161,8 @@ class FixedPlanarSlam {
   static constexpr bool kWorld = Error == FixedError::kWorld;
   static constexpr int kPoseStates = 3;  // heading, x, y; then the tilt, then the landmarks
   using PixelView = detail::FixedCameraView;
+  friend class detail::FixedPixelUpdate<FixedPlanarSlam>;
 
-  /// One row of a pixel or height: what it makes of the states.
-  struct StateRow {
-    int state[7];
-    std::int64_t coefficient[7];
-    int bits[7];  ///< fraction of the coefficient
-    int count = 0;
-
-    void add(int of, std::int64_t factor, int fraction) {
-      state[count] = of;
-      coefficient[count] = factor;
-      bits[count++] = fraction;
-    }
-  };
   /// Up to two rows of one landmark, in metres.
   struct PixelSighting {
     int slot = -1;
@@ -164,6 +172,14 @@ class FixedPlanarSlam {
     FixedLength tilt[2][2];
     std::int64_t innovation[2];  ///< detail::kPixelBits
     std::int64_t sigma[2];
+    std::int64_t per_pixel[2];  ///< see FixedPixelRows
+    FixedCovariance2 own;       ///< of the innovations without their noise, before the update
+
+    /// Of row i's noise, m^2.
+    FixedVariance noise(int i, std::uint32_t& saturations) const {
+      constexpr int kDown = 2 * detail::kPixelBits - FixedVariance::kFractionBits;
+      return FixedVariance::from_raw(wide::multiply(sigma[i], sigma[i], kDown, saturations));
+    }
   };
 
   template <class Observation>
@@ -172,8 +188,10 @@ class FixedPlanarSlam {
   template <class Observation>
   int collect(Span<Observation> observations, FixedLength sensor_offset, FixedUpdateReport& report);
   bool tells_nothing_new(int count, FixedUpdateReport& report);
+  void refuse(int slot, FixedUpdateReport& report);
   template <class Sighting>
-  void apply(const Sighting* sightings, int count, FixedUpdateReport& report);
+  void apply(const Sighting* sightings, int count, FixedUpdateReport& report,
+             bool deviates = false);
   std::int64_t apply_row(const detail::FixedSighting& sighting, int row);
   std::int64_t apply_row(const PixelSighting& sighting, int row);
   std::int64_t take_in(int last, int bits, std::int32_t sigma, std::int64_t innovation,
@@ -183,13 +201,10 @@ class FixedPlanarSlam {
   Status check_camera(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
                       FixedPixel sigma_px) const;
   PixelView camera_view(const FixedCamera& camera, const FixedMount& T_vehicle_camera);
-  StateRow row_of(const PixelSighting& sighting, int row) const;
-  int row_on_factor(const StateRow& row, int last, int most_bits, std::int32_t* out) const;
+  detail::FixedStateRow row_of(const PixelSighting& sighting, int row) const;
   bool sight(const PixelView& view, int slot, FixedPixel sigma_px, PixelSighting& out,
              detail::FixedPixelRows& rows);
   FixedCovariance2 innovation_of(const PixelSighting& sighting, std::uint32_t& saturations);
-  int collect_pixels(const PixelView& view, FixedPixel sigma_px, FixedPixelMatch* matches,
-                     int count, FixedUpdateReport& report);
   void start_tilt();
   void keep_tilt(const FixedCovariance2& tilt);
   void widen_landmark(int slot, int doublings);
@@ -203,6 +218,18 @@ class FixedPlanarSlam {
   void append_row(int from, std::int64_t first, std::int64_t second, int fraction);
 
   int vehicle_states() const { return kPoseStates + (tilts() ? 2 : 0); }
+  /// Fraction bits of the correction of state i.
+  int correction_bits(int i) const {
+    const bool angle = i == 0 || (i >= kTiltState && i < vehicle_states());
+    return angle ? FixedAngle::kFractionBits : FixedOffset::kFractionBits;
+  }
+  /// The tilt that the correction leads to.
+  FixedTilt tilt_after() const {
+    const auto turned = [this](FixedAngle angle, int state) {
+      return wrapped_angle(std::int64_t{angle.raw()} + correction_[state]);
+    };
+    return {turned(tilt_.pitch, kTiltState), turned(tilt_.roll, kTiltState + 1)};
+  }
   FixedLength vehicle(int axis) const { return local(x_[axis]); }
   FixedLength landmark_local(int slot, int axis) const { return local(p_[slot][axis]); }
   static FixedLength local(FixedCoordinate coordinate) {
@@ -266,3 +293,4 @@ class FixedPlanarSlam {
 #include "cairn/planar/fixed/fixed_planar_slam_read_out.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_records_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_update_impl.hpp"
+#include "cairn/planar/fixed/pixel_update.hpp"

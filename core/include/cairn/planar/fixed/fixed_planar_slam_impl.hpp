@@ -21,7 +21,8 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::initialise(
                     p.reacquire_steps <= 20 && p.reacquire_position.raw() >= 0 &&
                     p.reacquire_heading.raw() >= 0 && p.reacquire_landmark_after >= 1 &&
                     p.reacquire_landmark.raw() >= 0 && p.replace_after >= 0 &&
-                    p.rest_sigmas.raw() >= 0 && p.tilt.valid() &&
+                    p.rest_sigmas.raw() >= 0 && p.tilt.valid() && p.ransac.valid() &&
+                    p.ransac_threshold.raw() > 0 && p.rescue_gate.raw() > 0 &&
                     (LandmarkDim == 3 || !p.tilt.tilts());
   if (!sane) return Status::kBadConfig;
   parameters_ = parameters;

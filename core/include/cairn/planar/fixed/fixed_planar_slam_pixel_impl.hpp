@@ -25,10 +25,9 @@ FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::camera_view(const FixedCamera
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-typename FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::StateRow
-FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::row_of(const PixelSighting& sighting,
-                                                          int row) const {
-  StateRow out;
+detail::FixedStateRow FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::row_of(
+    const PixelSighting& sighting, int row) const {
+  detail::FixedStateRow out;
   const int l = state_of(sighting.slot);
   for (int i = 0; i < 3; ++i) {
     const std::int64_t h = sighting.h[row][i].raw();
@@ -41,34 +40,6 @@ FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::row_of(const PixelSighting& s
     if (t != 0) out.add(kTiltState + k, t, FixedLength::kFractionBits);
   }
   return out;
-}
-
-/// The row's elements on the columns of the factor up to `last`, all below 2^30 at the scale that
-/// is returned, which is at most `most_bits`.
-template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-int FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::row_on_factor(const StateRow& row, int last,
-                                                                     int most_bits,
-                                                                     std::int32_t* out) const {
-  constexpr int kTermsBits = 4;  // seven terms, and room for the noise
-  int bits = most_bits;
-  for (int k = 0; k < row.count; ++k) {
-    const int length = wide::bit_length(wide::magnitude(row.coefficient[k])) - row.bits[k];
-    const int fits = factor_.bits(row.state[k]) - length - kTermsBits;
-    bits = fits < bits ? fits : bits;
-  }
-  for (int j = 0; j <= last; ++j) out[j] = 0;
-  for (int k = 0; k < row.count; ++k) {
-    const int shift = row.bits[k] + factor_.bits(row.state[k]) - bits;
-    if (shift > 63) continue;
-    const auto coefficient = static_cast<std::int32_t>(row.coefficient[k]);
-    const int end = row.state[k] < last ? row.state[k] : last;
-    auto elements = factor_.row(row.state[k]);
-    for (int j = 0; j <= end; ++j) {
-      out[j] += static_cast<std::int32_t>(
-          wide::round_shift_far(std::int64_t{coefficient} * elements.next(), shift));
-    }
-  }
-  return bits;
 }
 
 /// The sighting of a landmark, its innovation minus the expected pixel. Whether it has one.
@@ -84,14 +55,14 @@ bool FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::sight(const PixelView& v
   out.slot = slot;
   out.rows = 2;
   // The noise grows with the relative variance of the depth: sigma sqrt(1 + Var z / z^2).
-  StateRow depth;
+  detail::FixedStateRow depth;
   const int l = state_of(slot);
   for (int i = 0; i < 3; ++i) {
     if (rows.depth[i].raw() == 0) continue;
     depth.add(l + i, rows.depth[i].raw(), FixedTangent::kFractionBits);
     if (i < 2) depth.add(1 + i, -rows.depth[i].raw(), FixedTangent::kFractionBits);
   }
-  const int bits = row_on_factor(depth, l + 2, RowScaledFactor<kStates>::kMostBits, scratch_);
+  const int bits = factor_.product(depth, l + 2, RowScaledFactor<kStates>::kMostBits, scratch_);
   std::int64_t squared = 0;
   for (int j = 0; j <= l + 2; ++j) squared += std::int64_t{scratch_[j]} * scratch_[j];
   const std::int64_t share = wide::divide(wide::scale(squared, kBits - 2 * bits, saturations_),
@@ -106,6 +77,7 @@ bool FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::sight(const PixelView& v
         wide::multiply(sigma_px.raw(), rows.per_pixel[i], FixedPixel::kFractionBits, saturations_);
     out.sigma[i] = wide::multiply(sigma, factor.mantissa, factor.bits, saturations_);
     if (out.sigma[i] == 0) out.sigma[i] = 1;
+    out.per_pixel[i] = rows.per_pixel[i];
   }
   return true;
 }
@@ -118,7 +90,7 @@ FixedCovariance2 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::innovation_o
   std::int32_t* const a[2] = {scratch_, scratch_ + kStates};
   int bits[2];
   for (int i = 0; i < 2; ++i) {
-    bits[i] = row_on_factor(row_of(sighting, i), last, RowScaledFactor<kStates>::kMostBits, a[i]);
+    bits[i] = factor_.product(row_of(sighting, i), last, RowScaledFactor<kStates>::kMostBits, a[i]);
   }
   std::int64_t sums[3] = {};
   for (int j = 0; j <= last; ++j) {
@@ -133,52 +105,6 @@ FixedCovariance2 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::innovation_o
   return {variance(0, 0, 0), variance(1, 0, 1), variance(2, 1, 1)};
 }
 
-/// Fills pixels_ with the matches of known landmarks inside their gates; the number of them.
-template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-int FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::collect_pixels(const PixelView& view,
-                                                                      FixedPixel sigma_px,
-                                                                      FixedPixelMatch* matches,
-                                                                      int count,
-                                                                      FixedUpdateReport& report) {
-  report = FixedUpdateReport{};
-  refused_count_ = 0;
-  admitted_score_ = 0;
-  int used = 0;
-  for (int k = 0; k < count; ++k) {
-    const int slot = find(matches[k].id);
-    if (slot < 0) continue;
-    ++report.matches;
-    PixelSighting& sighting = pixels_[used];
-    sighting.source = k;
-    detail::FixedPixelRows rows;
-    bool admitted = sight(view, slot, sigma_px, sighting, rows);
-    if (admitted) {
-      FixedVariance noise[2];
-      for (int i = 0; i < 2; ++i) {
-        const std::int64_t missed = std::int64_t{matches[k].pixel[i].raw()} - rows.pixel[i].raw();
-        sighting.innovation[i] =
-            wide::multiply(missed, rows.per_pixel[i], FixedPixel::kFractionBits, saturations_);
-        noise[i] = FixedVariance::from_raw(
-            wide::multiply(sighting.sigma[i], sighting.sigma[i],
-                           2 * detail::kPixelBits - FixedVariance::kFractionBits, saturations_));
-      }
-      const FixedScore score =
-          detail::mahalanobis(innovation_of(sighting, saturations_), noise, sighting.innovation,
-                              detail::kPixelBits, saturations_);
-      admitted = score <= parameters_.gate;
-      if (admitted) admitted_score_ += score.raw();
-    }
-    if (admitted) {
-      used_[used++] = static_cast<std::int16_t>(slot);
-      continue;
-    }
-    ++report.gated;
-    ++health_.innovations_gated;
-    refused_[refused_count_++] = static_cast<std::int16_t>(slot);
-  }
-  return used;
-}
-
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update_pixels(
     const FixedCamera& camera, const FixedMount& T_vehicle_camera, FixedPixel sigma_px,
@@ -188,28 +114,23 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update_pixels(
     static_cast<void>(matches), static_cast<void>(count), static_cast<void>(report);
     return Status::kInvalidArgument;
   } else {
-    const Status status = check_camera(camera, T_vehicle_camera, sigma_px);
-    if (!ok(status)) return status;
-    if (count < 0 || count > kMaxObservations || (count > 0 && matches == nullptr)) {
-      return Status::kInvalidArgument;
-    }
-    for (int k = 0; k < count; ++k) matches[k].inlier = false;
-    absorb_motion();
-    int used =
-        collect_pixels(camera_view(camera, T_vehicle_camera), sigma_px, matches, count, report);
-    const bool rests = rest_.resting() && tells_nothing_new(used, report);
-    if (!rests) {
-      if (rest_.resting()) {
-        end_rest();
-        absorb_motion();
-        used =
-            collect_pixels(camera_view(camera, T_vehicle_camera), sigma_px, matches, count, report);
-      }
-      apply(pixels_, used, report);
-      finish_update(used, report);
-    }
-    for (int k = 0; k < used; ++k) matches[pixels_[k].source].inlier = true;
-    return Status::kOk;
+    return detail::FixedPixelUpdate<FixedPlanarSlam>(*this, camera, T_vehicle_camera, sigma_px,
+                                                     matches, count, report)
+        .run_with_all();
+  }
+}
+
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update_pixels(
+    const FixedCamera& camera, const FixedMount& T_vehicle_camera, FixedPixel sigma_px,
+    FixedPixelMatch* matches, int count, Random& random, FixedUpdateReport& report) {
+  if constexpr (LandmarkDim != 3) {
+    static_cast<void>(random);
+    return update_pixels(camera, T_vehicle_camera, sigma_px, matches, count, report);
+  } else {
+    return detail::FixedPixelUpdate<FixedPlanarSlam>(*this, camera, T_vehicle_camera, sigma_px,
+                                                     matches, count, report)
+        .run(random);
   }
 }
 
@@ -233,11 +154,6 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_pixel(
       return Status::kOutOfView;
     }
     const FixedCovariance2 own = innovation_of(sighting, saturations_);
-    const auto noise = [&](int i) {
-      return FixedVariance::from_raw(
-          wide::multiply(sighting.sigma[i], sighting.sigma[i],
-                         2 * detail::kPixelBits - FixedVariance::kFractionBits, saturations_));
-    };
     // From m^2 to px^2.
     const auto variance = [&](FixedVariance s, int i, int j) {
       const std::int64_t once =
@@ -248,9 +164,9 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_pixel(
           wide::divide(once, rows.per_pixel[j], kShift, saturations_));
     };
     for (int i = 0; i < 2; ++i) prediction.pixel[i] = rows.pixel[i];
-    prediction.xx = variance(add(own.xx, noise(0), saturations_), 0, 0);
+    prediction.xx = variance(add(own.xx, sighting.noise(0, saturations_), saturations_), 0, 0);
     prediction.xy = variance(own.xy, 0, 1);
-    prediction.yy = variance(add(own.yy, noise(1), saturations_), 1, 1);
+    prediction.yy = variance(add(own.yy, sighting.noise(1, saturations_), saturations_), 1, 1);
     return Status::kOk;
   }
 }
@@ -305,9 +221,9 @@ std::int64_t FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::apply_row(
     const PixelSighting& sighting, int row) {
   const int last = state_of(sighting.slot) + LandmarkDim - 1;
   const int room = 29 - wide::bit_length(wide::magnitude(sighting.sigma[row])) + detail::kPixelBits;
-  const StateRow h = row_of(sighting, row);
+  const detail::FixedStateRow h = row_of(sighting, row);
   const int most = RowScaledFactor<kStates>::kMostBits;
-  const int bits = row_on_factor(h, last, room < most ? room : most, scratch_);
+  const int bits = factor_.product(h, last, room < most ? room : most, scratch_);
   auto sigma = static_cast<std::int32_t>(
       wide::scale(sighting.sigma[row], bits - detail::kPixelBits, saturations_));
   if (sigma == 0) sigma = 1;

@@ -6,6 +6,14 @@
 
 namespace cairn {
 
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::refuse(int slot,
+                                                               FixedUpdateReport& report) {
+  ++report.gated;
+  ++health_.innovations_gated;
+  refused_[refused_count_++] = static_cast<std::int16_t>(slot);
+}
+
 /// Book-keeping after an update: which landmarks were refused, and whether the gate has locked the
 /// filter out.
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>

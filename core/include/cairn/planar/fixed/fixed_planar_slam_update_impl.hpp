@@ -115,9 +115,7 @@ int FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::collect(Span<Observation>
       used_[count++] = static_cast<std::int16_t>(slot);
       continue;
     }
-    ++report.gated;
-    ++health_.innovations_gated;
-    refused_[refused_count_++] = static_cast<std::int16_t>(slot);
+    refuse(slot, report);
   }
   return count;
 }
@@ -166,14 +164,19 @@ bool FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::tells_nothing_new(
   return true;
 }
 
-/// Updates with sightings that are all linearised at the present mean.
+/// Updates with sightings that are all linearised at the present mean. `deviates`: the mean was
+/// moved away from the prior by the opposite of correction_.
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 template <class Sighting>
 void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::apply(const Sighting* sightings, int count,
-                                                              FixedUpdateReport& report) {
-  if (count == 0) return;
+                                                              FixedUpdateReport& report,
+                                                              bool deviates) {
+  if (count == 0) {
+    if (deviates) correct();
+    return;
+  }
   absorb_motion();
-  for (int i = 0; i < factor_.size(); ++i) correction_[i] = 0;
+  for (int i = 0; i < factor_.size() && !deviates; ++i) correction_[i] = 0;
   std::int64_t nis = 0;
   int rows = 0;
   for (int k = 0; k < count; ++k) {
@@ -182,8 +185,8 @@ void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::apply(const Sighting* si
       ++rows;
     }
   }
-  report.nis = FixedCoordinate::from_raw(nis);
-  report.nis_dof = rows;
+  report.nis = add(report.nis, FixedCoordinate::from_raw(nis), saturations_);
+  report.nis_dof += rows;
   correct();
   rest_.note_moving(nis, rows);
   if (parameters_.rest_sigmas.raw() > 0) rest_.begin();
@@ -291,12 +294,9 @@ std::int64_t FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::take_in(int last
                                 sigma, shift < 0 ? 0 : shift, saturations_),
                    saturations_);
   const int n = factor_.size();
-  const int vehicle = vehicle_states();
   for (int i = 0; i < n; ++i) {
-    const bool angle = i == 0 || (i >= kTiltState && i < vehicle);
-    const int own = angle ? FixedAngle::kFractionBits : FixedOffset::kFractionBits;
     // A row's scale has 20 bits or more: 12 to go at least.
-    const int down = factor_.bits(i) + kScoreBits - own;
+    const int down = factor_.bits(i) + kScoreBits - correction_bits(i);
     const std::int64_t part = wide::round_shift_far(std::int64_t{gain[i]} * y, down);
     correction_[i] = wide::narrow(correction_[i] + part, saturations_);
   }
@@ -330,12 +330,7 @@ void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::correct() {
           add(p_[slot][2], convert<FixedCoordinate>(by(l + 2), saturations_), saturations_);
     }
   }
-  if (tilts()) {
-    const auto turned = [&](FixedAngle angle, int state) {
-      return wrapped_angle(std::int64_t{angle.raw()} + correction_[state]);
-    };
-    tilt_ = {turned(tilt_.pitch, kTiltState), turned(tilt_.roll, kTiltState + 1)};
-  }
+  if (tilts()) tilt_ = tilt_after();
 }
 
 }  // namespace cairn

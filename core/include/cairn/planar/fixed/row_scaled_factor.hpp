@@ -5,6 +5,22 @@
 
 namespace cairn {
 
+namespace detail {
+/// One row of a measurement: what it makes of at most seven states.
+struct FixedStateRow {
+  int state[7];
+  std::int64_t coefficient[7];  ///< below 2^31
+  int bits[7];                  ///< fraction of the coefficient
+  int count = 0;
+
+  void add(int of, std::int64_t factor, int fraction) {
+    state[count] = of;
+    coefficient[count] = factor;
+    bits[count++] = fraction;
+  }
+};
+}  // namespace detail
+
 /// Covariance P = S S^T of up to `Capacity` states as its lower triangular factor S: 32-bit
 /// mantissas, one scale for each row. Row i holds S_ij 2^bits(i), and its length, the standard
 /// deviation of state i, stays below 2^30 of them and near that.
@@ -71,6 +87,43 @@ class RowScaledFactor {
       sum += std::int64_t{data_[index(i, j)]} * data_[index(k, j)];
     }
     return wide::scale(sum, 44 - bits_[i] - bits_[k], saturations);
+  }
+
+  /// The elements of a measurement's row on the columns up to `last`, all below 2^30 and together
+  /// too, at the scale that is returned, which is at most `most_bits`.
+  int product(const detail::FixedStateRow& row, int last, int most_bits, std::int32_t* out) const {
+    constexpr int kTermsBits = 4;  // seven terms, and room for the noise
+    int bits = most_bits;
+    for (int k = 0; k < row.count; ++k) {
+      const int length = wide::bit_length(wide::magnitude(row.coefficient[k])) - row.bits[k];
+      const int fits = bits_[row.state[k]] - length - kTermsBits;
+      bits = fits < bits ? fits : bits;
+    }
+    for (int j = 0; j <= last; ++j) out[j] = 0;
+    for (int k = 0; k < row.count; ++k) {
+      const int shift = row.bits[k] + bits_[row.state[k]] - bits;
+      if (shift > 63) continue;
+      const auto coefficient = static_cast<std::int32_t>(row.coefficient[k]);
+      const int end = row.state[k] < last ? row.state[k] : last;
+      RowReader elements(*this, row.state[k]);
+      for (int j = 0; j <= end; ++j) {
+        out[j] += static_cast<std::int32_t>(
+            wide::round_shift_far(std::int64_t{coefficient} * elements.next(), shift));
+      }
+    }
+    return bits;
+  }
+
+  /// u <- S u in the scale of the rows, u with 30 fraction bits and no longer than 1 on the columns
+  /// up to `last`, where it ends. Cost: n (last + 1) multiply-adds at most.
+  void multiply(std::int32_t* u, int last) const {
+    for (int i = size_ - 1; i >= 0; --i) {
+      RowReader elements(*this, i);
+      const int end = i < last ? i : last;
+      std::int64_t sum = 0;
+      for (int j = 0; j <= end; ++j) sum += std::int64_t{elements.next()} * u[j];
+      u[i] = static_cast<std::int32_t>(wide::round_shift_far(sum, 30));
+    }
   }
 
   /// Adapts the scale of a row to it and to noise whose squared length is below 2^noise, together

@@ -2,6 +2,7 @@
 
 #include "cairn/estimation/observation.hpp"
 #include "cairn/numeric/fixed_math.hpp"
+#include "cairn/planar/fixed/ransac.hpp"
 #include "cairn/planar/increment.hpp"
 
 namespace cairn {
@@ -120,18 +121,26 @@ struct FixedPlanarParameters {
   int replace_after = 20;
   FixedScore rest_sigmas = kRestSigmas;
   FixedTiltParameters tilt;  ///< for a filter of landmarks with height
+  FixedRansacParameters ransac;
+  FixedScore ransac_threshold = kInlier;
+  FixedScore rescue_gate = kRescue;
 
  private:
   static constexpr FixedScore kGate = FixedScore::nearest(13.82);
   static constexpr FixedLength kReacquireDistance = FixedLength::nearest(0.05);
   static constexpr FixedAngle kReacquireHeading = FixedAngle::nearest(0.01);
   static constexpr FixedScore kRestSigmas = FixedScore::nearest(4.0);
+  static constexpr FixedScore kInlier = FixedScore::nearest(5.991464547107979);
+  static constexpr FixedScore kRescue = FixedScore::nearest(9.210340371976182);
 };
 
 /// What an update did, as UpdateReport.
 struct FixedUpdateReport {
   int matches = 0;
   int gated = 0;
+  int low_innovation = 0;   ///< inliers of the best hypothesis
+  int high_innovation = 0;  ///< rescued after the first update
+  int hypotheses = 0;
   FixedCoordinate nis;  ///< of the used matches, summed
   int nis_dof = 0;
 };
