@@ -51,7 +51,7 @@ void add_options(CLI::App& command, RunOptions& options) {
       ->check(CLI::IsMember({"vehicle", "handheld"}));
   command.add_option("--filter", options.filter, "Filter")
       ->check(CLI::IsMember(
-          {"group-iekf", "group-iekf-fixed", "lifted-iekf", "ekf", "mono", "window"}));
+          {"group-iekf", "group-iekf-fixed", "lifted-iekf", "ekf", "ekf-fixed", "mono", "window"}));
   command.add_option("--fading", options.fading, "Fading factor S >= 1 of mono, or 'adaptive'");
   command.add_option("--budget-ms", options.budget_ms, "Time budget of a frame, ms")
       ->check(above_zero())

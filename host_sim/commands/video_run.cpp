@@ -79,7 +79,7 @@ std::string filter_of(const RunOptions& options, Mode mode) {
     throw UsageError(
         fmt::format("--filter {}: handheld mode runs with mono or window", options.filter));
   }
-  const bool without_camera = options.filter == "group-iekf-fixed";
+  const bool without_camera = options.filter == "group-iekf-fixed" || options.filter == "ekf-fixed";
   if (mode == Mode::kVehicle && (handheld || without_camera)) {
     throw UsageError(fmt::format(
         "--filter {}: vehicle mode runs with group-iekf, lifted-iekf or ekf", options.filter));

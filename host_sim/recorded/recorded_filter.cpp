@@ -6,6 +6,8 @@
 
 #include "cairn/numeric/math.hpp"
 #include "cairn/planar/ekf_slam.hpp"
+#include "cairn/planar/fixed/fixed_ekf_slam.hpp"
+#include "cairn/planar/fixed/fixed_group_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 
@@ -86,11 +88,11 @@ class CoreFilter final : public RecordedFilter {
   std::unique_ptr<Filter> filter_;
 };
 
-/// The group filter without floating point: what it gets is rounded to its formats.
-template <int MaxLandmarks>
+/// A filter without floating point: what it gets is rounded to its formats.
+template <class Filter>
 class FixedFilter final : public RecordedFilter {
  public:
-  FixedFilter() : filter_(std::make_unique<FixedGroupSlam<MaxLandmarks>>()) {}
+  FixedFilter() : filter_(std::make_unique<Filter>()) {}
 
   Status initialise(const Pose2& pose, const Eigen::Matrix3d& covariance,
                     const PlanarParameters<double>& parameters) override {
@@ -187,7 +189,7 @@ class FixedFilter final : public RecordedFilter {
   int landmark_count() const override { return filter_->landmark_count(); }
 
  private:
-  std::unique_ptr<FixedGroupSlam<MaxLandmarks>> filter_;
+  std::unique_ptr<Filter> filter_;
   std::vector<FixedRangeBearingObservation> observations_;
 };
 
@@ -203,8 +205,12 @@ std::unique_ptr<RecordedFilter> make_recorded_filter(const std::string& name, bo
     return std::make_unique<CoreFilter<GroupIekfSlam<double, kSmallMap>>>();
   }
   if (name == "group-iekf-fixed") {
-    if (large) return std::make_unique<FixedFilter<kLargeMap>>();
-    return std::make_unique<FixedFilter<kSmallMap>>();
+    if (large) return std::make_unique<FixedFilter<FixedGroupSlam<kLargeMap>>>();
+    return std::make_unique<FixedFilter<FixedGroupSlam<kSmallMap>>>();
+  }
+  if (name == "ekf-fixed") {
+    if (large) return std::make_unique<FixedFilter<FixedEkfSlam<kLargeMap>>>();
+    return std::make_unique<FixedFilter<FixedEkfSlam<kSmallMap>>>();
   }
   if (name == "ekf") {
     if (large) return std::make_unique<CoreFilter<EkfSlam<double, kLargeMap>>>();
@@ -215,8 +221,8 @@ std::unique_ptr<RecordedFilter> make_recorded_filter(const std::string& name, bo
     return std::make_unique<CoreFilter<LiftedIekfSlam<double, kSmallMap>>>();
   }
   throw UsageError(
-      fmt::format("--filter '{}': expected group-iekf, group-iekf-fixed, lifted-iekf or ekf for a "
-                  "landmark recording",
+      fmt::format("--filter '{}': expected group-iekf, lifted-iekf, ekf, group-iekf-fixed or "
+                  "ekf-fixed for a landmark recording",
                   name));
 }
 

@@ -61,9 +61,9 @@ class RecordedFilter {
   virtual int landmark_count() const = 0;
 };
 
-/// `group-iekf`, `group-iekf-fixed` (without floating point), `lifted-iekf` or `ekf` with room for
-/// 32 landmarks, or for 768 (not lifted-iekf: 192 there) when `large`. Throws UsageError for
-/// another name.
+/// `group-iekf`, `lifted-iekf` or `ekf`, or without floating point `group-iekf-fixed` or
+/// `ekf-fixed`, with room for 32 landmarks, or for 768 (lifted-iekf: 192) when `large`. Throws
+/// UsageError for another name.
 std::unique_ptr<RecordedFilter> make_recorded_filter(const std::string& name, bool large);
 
 }  // namespace cairn::host

@@ -67,19 +67,27 @@ TEST(LostInTheWoods, GroupFilterMeetsItsFloors) {
   EXPECT_LE(group.map_rmse_m, 0.025);
 }
 
-TEST(LostInTheWoods, FixedPointGivesTheErrorsOfDouble) {
+void expect_errors_of_double(const std::string& filter) {
   const fs::path folder = data_folder("lost_in_the_woods");
   SKIP_WITHOUT(folder);
   const Recording recording = read_lost_in_the_woods(folder, RecordingProfile::kPlain);
   RecordedRunOptions options;
-  options.filter = "group-iekf-fixed";
+  options.filter = filter + "-fixed";
   const RecordedRun run = run_recorded(recording, options);
   const RecordedErrors fixed = recorded_errors(recording, run);
-  const RecordedErrors expected = errors_of(recording, "group-iekf");
+  const RecordedErrors expected = errors_of(recording, filter);
   EXPECT_NEAR(fixed.position_rmse_m, expected.position_rmse_m, 0.01 * expected.position_rmse_m);
   EXPECT_NEAR(fixed.nees_mean, expected.nees_mean, 0.01 * expected.nees_mean);
   EXPECT_NEAR(fixed.map_rmse_m, expected.map_rmse_m, 0.01 * expected.map_rmse_m);
   EXPECT_EQ(run.saturations, 0U);
+}
+
+TEST(LostInTheWoods, FixedPointGivesTheErrorsOfDouble) {
+  expect_errors_of_double("group-iekf");
+}
+
+TEST(LostInTheWoods, TheEkfInFixedPointGivesTheErrorsOfDouble) {
+  expect_errors_of_double("ekf");
 }
 
 /// The stated noise holds no sideways motion: the floors in metres are missed with it, the one
