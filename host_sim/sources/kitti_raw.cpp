@@ -13,6 +13,7 @@
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
 #include "host_sim/sources/data_sets.hpp"
+#include "host_sim/sources/odometry_file.hpp"
 #include "host_sim/sources/time_span.hpp"
 
 namespace cairn::host {
@@ -313,10 +314,7 @@ std::unique_ptr<FrameSource> make_kitti_raw_source(const fs::path& folder,
       frame.known.true_T_world_camera = *imu * *camera.T_body_camera;
       frame.known.true_T_world_vehicle = *frame.known.true_T_world_camera * T_camera_vehicle;
     }
-    for (; next_sample < oxts.samples.size() && oxts.samples[next_sample].t_us <= frame.known.t_us;
-         ++next_sample) {
-      if (!frames.empty()) frame.known.odometry.push_back(oxts.samples[next_sample]);
-    }
+    take_samples(oxts.samples, frames.empty(), next_sample, frame.known);
     frames.push_back(std::move(frame));
   }
   return make_image_sequence(std::move(info), std::move(frames), range, folder);

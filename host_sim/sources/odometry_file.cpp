@@ -106,4 +106,14 @@ OdometryFile read_odometry(const std::filesystem::path& path) {
   return odometry;
 }
 
+void take_samples(const std::vector<OdometrySample>& samples, bool first_frame, std::size_t& next,
+                  Frame& frame) {
+  constexpr std::int64_t kOldest_us = 200000;
+  for (; next < samples.size() && samples[next].t_us <= frame.t_us; ++next) {
+    if (first_frame) frame.odometry.clear();
+    if (first_frame && frame.t_us - samples[next].t_us > kOldest_us) continue;
+    frame.odometry.push_back(samples[next]);
+  }
+}
+
 }  // namespace cairn::host

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <vector>
 
@@ -20,5 +21,11 @@ struct OdometryFile {
 /// in every row, a turn of at most 3.14 rad since the row before; and for times that do not
 /// increase.
 OdometryFile read_odometry(const std::filesystem::path& path);
+
+/// Appends the samples from `next` on, up to the frame's time, to the frame's odometry, and counts
+/// `next` on. Of those before the first frame only the newest, where it is at most 0.2 s old: how
+/// fast the vehicle comes.
+void take_samples(const std::vector<OdometrySample>& samples, bool first_frame, std::size_t& next,
+                  Frame& frame);
 
 }  // namespace cairn::host

@@ -179,11 +179,7 @@ class VideoSource final : public FrameSource {
     frame.t_us = place.t_us;
     frame.scene_points.clear();
     frame.odometry.clear();
-    while (next_sample_ < odometry_.samples.size() &&
-           odometry_.samples[next_sample_].t_us <= frame.t_us) {
-      if (given_ > 0) frame.odometry.push_back(odometry_.samples[next_sample_]);
-      ++next_sample_;
-    }
+    take_samples(odometry_.samples, given_ == 0, next_sample_, frame);
     frame.true_T_world_camera.reset();
     frame.true_T_world_vehicle.reset();
     while (next_truth_ + 1 < truth_.size() && std::abs(truth_[next_truth_ + 1].t_us - frame.t_us) <=

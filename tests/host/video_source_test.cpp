@@ -43,9 +43,10 @@ TEST(VideoSource, FolderWithTimesOdometryAndTruth) {
   options.camera =
       folder.write("camera.yaml", "fx: 250\nfy: 250\ncx: 160\ncy: 120\nwidth: 320\nheight: 240\n");
   options.times = folder.write("times.csv", "frame,t_us\n7,1000000\n8,1050000\n9,1100000\n");
-  options.odometry = folder.write("odometry.csv",
-                                  "t_s,speed_mps,steering_rad,wheelbase_m\n0.99,1,0,0.5\n"
-                                  "1.02,1,0.1,0.5\n1.05,1,0.2,0.5\n1.08,1,0.3,0.5\n");
+  const std::string header = "t_s,speed_mps,steering_rad,wheelbase_m\n";
+  const std::string later = "1.02,1,0.1,0.5\n1.05,1,0.2,0.5\n1.08,1,0.3,0.5\n";
+  options.odometry =
+      folder.write("odometry.csv", header + "0.96,1,0,0.5\n0.99,1,0,0.5\n" + later);
   options.truth = folder.write("truth.tum", "1.0 0 0 1 0 0 0 1\n1.05 0.05 0 1 0 0 0 1\n");
   const auto source = make_video_source(options);
   EXPECT_EQ(source->info().frame_count, 3);
@@ -54,7 +55,8 @@ TEST(VideoSource, FolderWithTimesOdometryAndTruth) {
   Frame frame;
   ASSERT_TRUE(source->next(frame));
   EXPECT_EQ(frame.number, 7);
-  EXPECT_TRUE(frame.odometry.empty());
+  ASSERT_EQ(frame.odometry.size(), 1U) << "how the vehicle comes";
+  EXPECT_EQ(frame.odometry[0].t_us, 990000);
   ASSERT_TRUE(source->next(frame));
   EXPECT_EQ(frame.t_us, 1050000);
   ASSERT_EQ(frame.odometry.size(), 2U);
@@ -63,6 +65,9 @@ TEST(VideoSource, FolderWithTimesOdometryAndTruth) {
   ASSERT_TRUE(source->next(frame));
   EXPECT_FALSE(frame.true_T_world_camera.has_value());
   EXPECT_FALSE(source->next(frame));
+  options.odometry = folder.write("odometry.csv", header + "0.7,1,0,0.5\n" + later);
+  ASSERT_TRUE(make_video_source(options)->next(frame));
+  EXPECT_TRUE(frame.odometry.empty()) << "0.3 s before the first frame says nothing of it";
 
   options.times = folder.write("times.csv", "frame,t_us\n7,1000000\n8,999\n");
   EXPECT_TRUE(says(message_of([&] { make_video_source(options); }), {"times.csv:3", "increasing"}));

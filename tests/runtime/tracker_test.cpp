@@ -208,6 +208,32 @@ TEST_F(VehicleAtAWall, BuildsAMapAndKeepsItsHeading) {
   EXPECT_NEAR(pose.heading, 0.0, 0.01);
 }
 
+/// Odometry begins later than the pictures, of a vehicle that moves already: what is followed until
+/// then, as if at rest, must not become its map.
+TEST_F(VehicleAtAWall, MapsNothingBeforeItsFirstSample) {
+  constexpr int kSilent = 6;
+  for (int k = 0; k < kFrames; ++k) {
+    if (k >= kSilent) {
+      static_cast<void>(step(*tracker_, k, report_));
+      if (k == kSilent) {
+        EXPECT_EQ(report_.added, 0) << "a depth takes three views";
+      }
+      continue;
+    }
+    static_cast<void>(tracker_->process_frame(
+        test::view(frames()[static_cast<std::size_t>(k)], test::small_camera()), k * kStepUs,
+        TickSource{}, report_));
+    EXPECT_EQ(report_.not_tracked, NotTracked::kNoOdometry);
+    EXPECT_LE(report_.landmarks, 1) << "the positions of keyframes, of which none lasts";
+  }
+  EXPECT_EQ(report_.state, TrackingState::kTracking);
+  EXPECT_GE(report_.inliers, 5);
+  const PlanarPose<float> pose = tracker_->filter().mean_pose();
+  EXPECT_NEAR(pose.position.x(), 1.05 * kStep * (kFrames - 1), 0.05);
+  EXPECT_NEAR(pose.position.y(), 0.0, 0.02);
+  EXPECT_NEAR(pose.heading, 0.0, 0.01);
+}
+
 TEST_F(VehicleAtAWall, SameInputGivesTheSameBytes) {
   auto other = std::make_unique<Vehicle>();
   start(*other);

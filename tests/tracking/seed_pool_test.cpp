@@ -1,5 +1,7 @@
 #include "cairn/tracking/seed_pool.hpp"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 #include "cairn/vision/fast.hpp"
@@ -63,6 +65,36 @@ TEST_F(SeedDepth, IsFoundBySidewaysMotion) {
     }
   }
   EXPECT_GE(landmarks * 2, started);
+}
+
+/// At the first picture of a moving vehicle its speed may not be known yet, and with it the depth
+/// that seeds begin with.
+TEST_F(SeedDepth, IsThatOfThePresentParametersUntilASecondPicture) {
+  const Pool::Parameters known = parameters_;
+  parameters_.initial_depth_m = 0.6F;
+  parameters_.initial_sigma_rho = 0.1F;
+  start();
+  const int started = pool_.size();
+  const auto follow = [&](int k) {
+    const Rigid<double> T{Quaternion<double>::Identity(), {0.1 * k, 0, 0}};
+    const auto image = scene_.render(camera_, T);
+    pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
+                 parameters_, unlimited_);
+  };
+  const auto right = [&] {
+    int count = 0;
+    for (int i = 0; i < pool_.size(); ++i) {
+      count += std::abs(1.0 / static_cast<double>(pool_[i].rho) - kDepth) < 0.7 ? 1 : 0;
+    }
+    return count;
+  };
+  parameters_ = known;
+  follow(1);
+  EXPECT_GE(4 * right(), 3 * started);
+  // Later the depth is the pictures' to tell.
+  parameters_.initial_depth_m = 0.6F;
+  follow(2);
+  EXPECT_GE(4 * right(), 3 * started);
 }
 
 TEST_F(SeedDepth, StaysUnknownUnderPureRotation) {

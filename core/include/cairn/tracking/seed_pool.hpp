@@ -64,6 +64,7 @@ class SeedPool {
 
   /// Moves on to the caller's estimate without the image: no seed is lost for it.
   void coast(const Rigid<float>& T_odometry_camera, const Parameters& parameters) {
+    guess_depths(parameters);
     odometry_.move_to(T_odometry_camera, parameters);
   }
 
@@ -95,6 +96,7 @@ class SeedPool {
                            odometry_.T_pool_camera(), expected.p_camera, warp));
   }
 
+  void guess_depths(const Parameters& parameters);
   void measure(const ImageView& image, const PinholeCamera<float>& camera,
                const Parameters& parameters, WorkBudget& budget);
   int drop_lost(const Parameters& parameters);
@@ -166,6 +168,18 @@ int SeedPool<MaxSeeds, MaxKeyframes>::end_keyframes(bool make_room) {
   }
   odometry_.end_keyframe(oldest);
   return dropped;
+}
+
+/// A seed that no second picture has seen has the depth of the present parameters: those at its
+/// first picture may have followed from a speed that was not known yet.
+template <int MaxSeeds, int MaxKeyframes>
+void SeedPool<MaxSeeds, MaxKeyframes>::guess_depths(const Parameters& parameters) {
+  const float rho = 1.0F / parameters.initial_depth_m;
+  for (int i = 0; i < seeds_.size(); ++i) {
+    if (seeds_[i].seen > 1 || seeds_[i].rho == rho) continue;
+    seeds_[i].rho = rho;
+    odometry_.begin_seed(i, square(parameters.initial_sigma_rho));
+  }
 }
 
 /// Searches each seed in the window that its uncertain depth and the camera's rotation give.

@@ -214,6 +214,9 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   if (anew && !known) monitor_.forget_mean();
   const bool given_up = map_reuse_.place_unknown() || state() == TrackingState::kLost;
   if (anew && given_up && !known && unsure()) begin_anew(frame);
+  // Followed at rest, which nothing but its assumption says, seeds of a vehicle that moves already
+  // would become landmarks at wrong places.
+  if (!odometry_.begun()) local_map_.drop_seeds();
   const bool growing = known || thin_map_ || monitor_.holds(measurement_.counts()) || anew;
   const VehicleMotion motion = {odometry_.speed_mps(), frame_step_s_, odometry_.yaw_variance(),
                                 monitor_.state() == TrackingState::kTracking,
