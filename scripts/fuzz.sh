@@ -9,7 +9,7 @@ seconds=${1:-30}
 shift || true
 targets=("$@")
 if [ ${#targets[@]} -eq 0 ]; then
-  targets=(vehicle handheld planar mono map_file input_log geometry vision readers)
+  targets=(vehicle handheld window planar fixed mono map_file input_log geometry vision readers)
 fi
 if ! [[ "$seconds" =~ ^[0-9]+$ ]] || [ "$seconds" -eq 0 ]; then
   echo "fuzz.sh: expected a number of seconds, found '$seconds'" >&2

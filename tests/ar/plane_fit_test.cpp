@@ -105,6 +105,22 @@ TEST(PoseOnPlane, StandsOnThePlaneAndFacesWhereAsked) {
   EXPECT_NEAR(x.dot(facing.cross(plane.normal).normalized()), 0, 1e-4);
   EXPECT_GT(x.dot(facing), 0.0F);
   EXPECT_EQ(pose_on_plane(plane, above, plane.normal, pose), Status::kDegenerate);
+  EXPECT_EQ(pose_on_plane(plane, above, Vector3<float>::Zero(), pose), Status::kDegenerate);
+
+  // A direction of any length, and places that are no numbers.
+  const Rigid<float> usual = pose;
+  for (const float length : {1e-25F, 1e25F}) {
+    ASSERT_TRUE(ok(pose_on_plane(plane, above, length * facing, pose)));
+    EXPECT_NEAR(pose.rotation.norm(), 1.0F, 1e-5F);
+    EXPECT_NEAR(pose.rotation.dot(usual.rotation), 1.0F, 1e-5F);
+  }
+  pose = usual;
+  const Vector3<float> far_away = Vector3<float>::Constant(std::numeric_limits<float>::infinity());
+  EXPECT_EQ(pose_on_plane(plane, far_away, facing, pose), Status::kNonFiniteInput);
+  const Vector3<float> none = std::numeric_limits<float>::quiet_NaN() * facing;
+  EXPECT_EQ(pose_on_plane(plane, above, none, pose), Status::kNonFiniteInput);
+  EXPECT_EQ(pose.rotation.coeffs(), usual.rotation.coeffs());
+  EXPECT_EQ(pose.translation, usual.translation);
 }
 
 }  // namespace

@@ -26,9 +26,9 @@ extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(con
 
 namespace cairn::fuzz {
 
-/// Allocations so far, of everything.
+/// Allocations so far, of everything on this thread: libFuzzer has one of its own.
 inline std::uint64_t& allocations() {
-  static std::uint64_t count = 0;
+  thread_local std::uint64_t count = 0;
   return count;
 }
 

@@ -1,8 +1,10 @@
-// InputLogReader on arbitrary bytes; records get right checksums where the first byte says so.
+// InputLogReader on arbitrary bytes; records get right checksums where the first byte says so. What
+// it reads goes to a tracker.
 #include <algorithm>
 #include <vector>
 
 #include "cairn/runtime/input_log.hpp"
+#include "cairn/tracking/handheld_gyro.hpp"
 
 #include "fuzz_input.hpp"
 
@@ -15,7 +17,7 @@ struct Source {
 
   int read(std::uint8_t* to, int count) {
     const std::size_t some = std::min(left, static_cast<std::size_t>(count));
-    std::memcpy(to, bytes, some);
+    if (some > 0) std::memcpy(to, bytes, some);
     bytes += some;
     left -= some;
     return static_cast<int>(some);
@@ -55,6 +57,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   PROMISE(3, reader.next(event, sample, frame, {}) == Status::kNotInitialised);
   if (!ok(reader.open(header))) return 0;
   PROMISE(8, ok(header.validate()));
+  HandheldGyro gyro;
+  if (header.with_gyro) {
+    PROMISE(8, ok(header.gyro.validate()));
+    gyro.reset(header.gyro);
+  }
   const int width = header.camera.width;
   const int height = header.camera.height;
   if (width > 512 || height > 512) return 0;
@@ -65,6 +72,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   for (std::size_t events = 0; ok(reader.next(event, sample, frame, image)); ++events) {
     PROMISE(6, events <= size / detail::kLogRecordHeadBytes);
     if (event == LogEvent::kEnd) break;
+    if (event == LogEvent::kAngularRate) {
+      PROMISE(8, header.with_gyro);
+      Health counts;
+      static_cast<void>(gyro.add(reader.angular_rate(), counts));
+    }
+    if (event == LogEvent::kFrame) {
+      gyro.take_frame(frame.t_us);
+      PROMISE(4, gyro.turn().rotation.allFinite() && gyro.turn().variance >= 0.0F);
+    }
   }
   return 0;
 }

@@ -35,10 +35,13 @@ class Run {
 
   void step(Input& input) {
     const std::uint64_t before = hash();
+    const std::uint64_t pose_before = pose_hash();
     const NoAllocation none;
     const Status status = call(input);
-    // A consensus that fails, a gate and a singular covariance leave the estimate alone, too.
-    PROMISE(3, ok(status) || hash() == before);
+    // A gate and a singular covariance leave the estimate alone, too; pixels that disagree may end
+    // a rest, whose noise then counts.
+    const bool may_end_rest = status == Status::kNoConsensus && pose_hash() == pose_before;
+    PROMISE(3, ok(status) || may_end_rest || hash() == before);
     check();
   }
 
@@ -101,6 +104,13 @@ class Run {
       match.pixel += Vector2<float>(input.number(-3.0F, 3.0F), input.number(-3.0F, 3.0F));
       match.descriptor_distance = input.byte();
     }
+    // What a tracker asks of two matches that agree, and of many.
+    OnePointRansacParameters ransac = PlanarParameters<float>().ransac;
+    if (input.flag()) {
+      ransac.min_inliers = 1 + input.below(4);
+      ransac.min_inlier_share = static_cast<float>(input.below(5)) / 4.0F;
+    }
+    filter_.set_ransac(ransac);
     UpdateReport report;
     return filter_.update_pixels(camera(), mount(), sigma, matches, count, random_, report);
   }
@@ -148,6 +158,15 @@ class Run {
     for (int i = 0; i < 3; ++i) result(i, i) = input.number(low, high);
     if (input.byte() > 240) result(1, 0) = result(0, 1) = input.wild();
     return result;
+  }
+
+  std::uint64_t pose_hash() const {
+    Hash64 sum;
+    const PlanarPose<float> pose = filter_.mean_pose();
+    sum.add(pose.position.x());
+    sum.add(pose.position.y());
+    sum.add(pose.heading);
+    return sum.value();
   }
 
   std::uint64_t hash() const {

@@ -9,6 +9,7 @@
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/sources/frame_times.hpp"
+#include "host_sim/sources/gyro_file.hpp"
 #include "host_sim/sources/odometry_file.hpp"
 
 namespace {
@@ -42,8 +43,9 @@ class Folder {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   if (size < 1 || size > 65536) return 0;
   static const char* const names[] = {"camera.yaml",  "camera.json", "camera.xml", "cameras.txt",
-                                      "odometry.csv", "truth.tum",   "times.csv"};
-  const std::size_t kind = bytes[0] % 7U;
+                                      "odometry.csv", "truth.tum",   "times.csv",
+                                      "gyro.csv",     "sensor.yaml"};
+  const std::size_t kind = bytes[0] % 9U;
   static const Folder folder;
   const fs::path path = folder.path() / names[kind];
   std::ofstream(path, std::ios::binary)
@@ -56,8 +58,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
       PROMISE(10, read_odometry(path).samples.size() >= 2);
     } else if (kind == 5) {
       static_cast<void>(read_tum(path));
-    } else {
+    } else if (kind == 6) {
       static_cast<void>(FrameTimes(path));
+    } else if (kind == 7) {
+      PROMISE(10, read_gyro(path).size() >= 2);
+    } else {
+      const ImuFile imu = read_imu_file(path);
+      PROMISE(10, imu.noise_density || imu.T_body_imu);
     }
   } catch (const InputError& error) {
     PROMISE(10, std::string(error.what()).find(names[kind]) != std::string::npos);

@@ -1,9 +1,11 @@
-// VehicleTracker: calls with arbitrary values in any order, from a cold and a warm start.
+// VehicleTracker: calls with arbitrary values in any order, from a cold and a warm start, with and
+// without a gyroscope in the place of the wheels' yaw rate.
 #include <algorithm>
 
 #include "cairn/numeric/positive_definite.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
+#include "cairn/tracking/gyro_yaw.hpp"
 
 #include "tracker_scene.hpp"
 
@@ -29,6 +31,7 @@ class Run {
   Run() {
     PROMISE(1, ok(tracker_.initialise(test::to_float(scene_camera()), mount(), still(),
                                       Tracker::Parameters())));
+    gyro_.reset(GyroParameters(), mount());
   }
 
   void drive(int frames) {
@@ -36,7 +39,7 @@ class Run {
   }
 
   void step(Input& input) {
-    switch (input.below(8)) {
+    switch (input.below(10)) {
       case 0:
       case 1:
         usual_frame();
@@ -59,6 +62,12 @@ class Run {
         break;
       case 7:
         restart(input);
+        break;
+      case 8:
+        rates(input);
+        break;
+      case 9:
+        replaces_turns_ = input.flag();
         break;
     }
     check();
@@ -83,7 +92,28 @@ class Run {
     add(sample);
   }
 
-  void add(const OdometrySample& sample) {
+  /// Samples of a gyroscope: a usual stretch up to the next frame's time, or a wild one.
+  void rates(Input& input) {
+    AngularRateSample sample;
+    const bool wild = input.flag();
+    for (int i = 0; i < 3; ++i) sample.rate_radps(i) = input.number(-2.0F, 2.0F);
+    const int step_us = input.between(400, 20000);
+    for (int k = step_us; k <= kFrameUs; k += step_us) {
+      sample.t_us = wild && input.flag() ? input.time() : later(t_us_, k);
+      Health counts;
+      const NoAllocation none;
+      static_cast<void>(gyro_.add(sample, counts));
+      if (wild) break;
+    }
+  }
+
+  void add(OdometrySample sample) {
+    if (replaces_turns_) {
+      const bool finite = is_finite(sample.turn);
+      sample = gyro_.replace(sample, 0.05F);
+      PROMISE(4, !finite || is_finite(sample.turn));
+      PROMISE(4, is_finite(gyro_.bias_radps()) && gyro_.bias_sigma_radps() >= 0.0F);
+    }
     const std::uint64_t before = state_of(tracker_);
     const NoAllocation none;
     const Status status = tracker_.add_odometry(sample);
@@ -159,6 +189,8 @@ class Run {
   static constexpr int kAlways = 400;
 
   Tracker tracker_;
+  GyroYaw gyro_;
+  bool replaces_turns_ = false;
   std::int64_t t_us_ = 0;
   int frame_ = 0;
   int limit_ = Tracker::Parameters().work_limit;

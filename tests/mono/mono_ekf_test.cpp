@@ -37,6 +37,14 @@ TYPED_TEST(MonoEkfContract, RefusesImpossibleConfiguration) {
   parameters = {};
   parameters.fading_factor = TypeParam(0.9);
   EXPECT_EQ(filter.initialise(camera, parameters), Status::kBadConfig);
+  for (TypeParam MonoParameters<TypeParam>::*sigma :
+       {&MonoParameters<TypeParam>::velocity_noise,
+        &MonoParameters<TypeParam>::initial_rate_sigma_radps,
+        &MonoParameters<TypeParam>::initial_inverse_depth, &MonoParameters<TypeParam>::sigma_px}) {
+    parameters = {};
+    parameters.*sigma = TypeParam(1e20);
+    EXPECT_EQ(filter.initialise(camera, parameters), Status::kBadConfig);
+  }
   EXPECT_EQ(filter.initialise(camera, {}), Status::kOk);
 }
 
@@ -45,6 +53,9 @@ TYPED_TEST(MonoEkfContract, MotionNoiseCanBeChangedBetweenPredictions) {
   MonoEkf<T, 8> filter;
   ASSERT_TRUE(ok(filter.initialise(MonoScene::camera<T>(), {})));
   EXPECT_EQ(filter.set_motion_noise(T(-1), T(1)), Status::kInvalidArgument);
+  // Its square would not be a number.
+  EXPECT_EQ(filter.set_motion_noise(T(1e20), T(1)), Status::kInvalidArgument);
+  EXPECT_EQ(filter.set_motion_noise(T(1), T(1e20)), Status::kInvalidArgument);
   EXPECT_EQ(filter.set_motion_noise(T(1), std::numeric_limits<T>::quiet_NaN()),
             Status::kNonFiniteInput);
   EXPECT_EQ(filter.parameters().velocity_noise, MonoParameters<T>().velocity_noise);

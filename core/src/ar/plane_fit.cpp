@@ -168,18 +168,24 @@ Status fit_plane(const Vector3<float>* p_world, int count, const Vector3<float>&
 Status pose_on_plane(const PlaneFit& plane, const Vector3<float>& p_world,
                      const Vector3<float>& facing, Rigid<float>& T_world_object) {
   const Vector3<float> z = plane.normal;
-  Vector3<float> x = facing - facing.dot(z) * z;
+  // Of length one before it is squared: tiny and huge directions are as good as others.
+  float most = 0.0F;
+  for (int i = 0; i < 3; ++i) most = abs(facing(i)) > most ? abs(facing(i)) : most;
+  const Vector3<float> foot = p_world - (z.dot(p_world) - plane.offset) * z;
+  if (!facing.allFinite() || !foot.allFinite()) return Status::kNonFiniteInput;
+  constexpr float kLeast = 1e-30F;
+  if (!(most > kLeast)) return Status::kDegenerate;
+  const Vector3<float> direction = facing / most;
+  Vector3<float> x = direction - direction.dot(z) * z;
   const float length = sqrt(x.squaredNorm());
-  if (!(length > kMinSpread * sqrt(facing.squaredNorm())) || !is_finite(length)) {
-    return Status::kDegenerate;
-  }
+  if (!(length > kMinSpread * sqrt(direction.squaredNorm()))) return Status::kDegenerate;
   x /= length;
   Matrix3<float> axes;
   axes.col(0) = x;
   axes.col(1) = z.cross(x);
   axes.col(2) = z;
   T_world_object.rotation = Quaternion<float>(axes);
-  T_world_object.translation = p_world - (z.dot(p_world) - plane.offset) * z;
+  T_world_object.translation = foot;
   return Status::kOk;
 }
 

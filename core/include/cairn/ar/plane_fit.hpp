@@ -37,7 +37,8 @@ Status fit_plane(const Vector3<float>* p_world, int count, const Vector3<float>&
 
 /// Pose of an object that stands on the plane at the foot of the perpendicular from `p_world`, its
 /// z axis along the normal and its x axis as near to `facing` (world direction) as the plane
-/// allows. kDegenerate: `facing` is (nearly) parallel to the normal.
+/// allows. kDegenerate: `facing` is (nearly) parallel to the normal, or none. kNonFiniteInput: a
+/// direction or a foot that is no number. The pose is then unchanged.
 Status pose_on_plane(const PlaneFit& plane, const Vector3<float>& p_world,
                      const Vector3<float>& facing, Rigid<float>& T_world_object);
 

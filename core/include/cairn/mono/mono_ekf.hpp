@@ -78,7 +78,7 @@ class MonoEkf {
   Status predict(T dt_s);
 
   /// Motion noise from the next prediction on (MonoParameters::velocity_noise and rate_noise).
-  /// kNonFiniteInput, kInvalidArgument (negative): unchanged.
+  /// kNonFiniteInput, kInvalidArgument (negative, or beyond kLargest): unchanged.
   Status set_motion_noise(T velocity_noise, T rate_noise);
   /// Takes the camera's rotation over the step of the last prediction, `dt_s`, as it was measured
   /// by other means (a rotation vector, camera axes, rad), with its standard deviations. Call it

@@ -78,6 +78,10 @@ struct MonoParameters {
   T linearity_threshold = T(0);
   int max_conversions_per_update = 2;
 
+  /// Largest standard deviation, noise, length or inverse depth: its square times a long step stays
+  /// a number.
+  static constexpr T kLargest = T(1e6);
+
   /// kBadConfig unless every value is finite and inside its domain.
   Status validate() const {
     const T positive[] = {max_step_s,          sigma_px,      initial_inverse_depth,
@@ -92,8 +96,13 @@ struct MonoParameters {
     for (const T v : not_negative) {
       if (!is_finite(v) || !(v >= T(0))) return Status::kBadConfig;
     }
+    for (const T v : {velocity_noise, rate_noise, initial_velocity_sigma_mps,
+                      initial_rate_sigma_radps, lever_sigma_m, sigma_px, initial_inverse_depth,
+                      initial_inverse_depth_sigma, max_step_s}) {
+      if (v > kLargest) return Status::kBadConfig;
+    }
     for (int i = 0; i < 3; ++i) {
-      if (!is_finite(lever_m(i))) return Status::kBadConfig;
+      if (!(abs(lever_m(i)) <= kLargest)) return Status::kBadConfig;
     }
     const bool good =
         fading_factor >= T(1) && adaptive_max_factor >= T(1) && adaptive_memory < T(1) &&

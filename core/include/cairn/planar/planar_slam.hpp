@@ -129,7 +129,7 @@ class PlanarSlam {
   /// Updates with landmarks found in the image: 1-point RANSAC, update with the inliers of the best
   /// hypothesis, rescue of the others at the new state, update with these. Sets `inlier` of each
   /// match. Landmarks with height only. Errors: kNotInitialised, kInvalidArgument, kNonFiniteInput,
-  /// kNoConsensus (fewer inliers than the limits of `ransac`, whatever the cause).
+  /// kNoConsensus (fewer inliers than the limits of `ransac`; a rest may end, its noise counts).
   /// Cost: at most max_hypotheses * 2 n sparse products, and the update's.
   /// Source: paper B section 2; pixels are predicted, never measured, in the rows.
   Status update_pixels(const PinholeCamera<Scalar>& camera, const Rigid<Scalar>& T_vehicle_camera,

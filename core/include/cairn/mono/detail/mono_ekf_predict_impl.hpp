@@ -90,7 +90,10 @@ Status MonoEkf<T, MaxFeatures, MaxAnchors>::restart_moving(const Rigid<T>& T_wor
 template <class T, int MaxFeatures, int MaxAnchors>
 Status MonoEkf<T, MaxFeatures, MaxAnchors>::set_motion_noise(T velocity_noise, T rate_noise) {
   if (!is_finite(velocity_noise) || !is_finite(rate_noise)) return Status::kNonFiniteInput;
-  if (velocity_noise < T(0) || rate_noise < T(0)) return Status::kInvalidArgument;
+  const auto in_domain = [](T noise) {
+    return noise >= T(0) && noise <= MonoParameters<T>::kLargest;
+  };
+  if (!in_domain(velocity_noise) || !in_domain(rate_noise)) return Status::kInvalidArgument;
   parameters_.velocity_noise = velocity_noise;
   parameters_.rate_noise = rate_noise;
   return Status::kOk;

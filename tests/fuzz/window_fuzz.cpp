@@ -1,0 +1,184 @@
+// WindowTracker: frames and a gyroscope's samples with arbitrary values in any order, from a cold
+// and a warm start.
+#include <algorithm>
+
+#include "cairn/runtime/window_tracker.hpp"
+
+#include "tracker_scene.hpp"
+
+namespace cairn::fuzz {
+namespace {
+
+using Tracker = WindowTracker<SmallConfig>;
+
+class Run {
+ public:
+  Run() {
+    PROMISE(1, ok(tracker_.initialise(test::to_float(scene_camera()), Tracker::Parameters())));
+  }
+
+  void film(int frames) {
+    for (int i = 0; i < frames; ++i) usual_frame();
+  }
+
+  void step(Input& input) {
+    switch (input.below(9)) {
+      case 0:
+      case 1:
+        usual_frame();
+        break;
+      case 2:
+        frame_ = input.below(kPictures);
+        usual_frame();
+        break;
+      case 3:
+        odd_frame(input);
+        break;
+      case 4:
+        t_us_ = later(input.time(), t_us_);
+        usual_frame();
+        break;
+      case 5:
+        change_work_limit(tracker_, input, 14000, limit_);
+        break;
+      case 6:
+        wild_sample(input);
+        break;
+      case 7:
+        usual_samples(input);
+        break;
+      case 8:
+        restart(input);
+        break;
+    }
+    check();
+  }
+
+ private:
+  void usual_frame() {
+    t_us_ = later(t_us_, kFrameUs);
+    // There and back, so that every step is small.
+    const int at = frame_++ % (2 * kPictures - 2);
+    process(picture(at < kPictures ? at : 2 * kPictures - 2 - at));
+  }
+
+  void odd_frame(Input& input) {
+    const OddPicture odd(input);
+    if (input.flag()) t_us_ = later(t_us_, kFrameUs);
+    process(odd.view());
+  }
+
+  void process(const ImageView& image) {
+    FrameReport report;
+    if (!process_frame(tracker_, image, t_us_, report)) return;
+    PROMISE(4, good_pose(report.T_map_camera));
+    PROMISE(6, report.work <= std::max(limit_, kAlways));
+    PROMISE(6, report.inliers <= report.matches && report.landmarks <= Tracker::kMaxFeatures);
+  }
+
+  /// Up to the next frame's time, of a gyroscope that turns at a rate of its own.
+  void usual_samples(Input& input) {
+    AngularRateSample sample;
+    for (int i = 0; i < 3; ++i) sample.rate_radps(i) = input.number(-2.0F, 2.0F);
+    const int step_us = input.between(400, 20000);
+    for (int k = step_us; k <= kFrameUs; k += step_us) {
+      sample.t_us = later(t_us_, k);
+      add(sample);
+    }
+  }
+
+  void wild_sample(Input& input) {
+    AngularRateSample sample;
+    sample.t_us = input.flag() ? later(t_us_, input.between(-50000, 50000)) : input.time();
+    for (int i = 0; i < 3; ++i) {
+      sample.rate_radps(i) = input.flag() ? input.wild() : input.number(-40.0F, 40.0F);
+    }
+    add(sample);
+  }
+
+  void add(const AngularRateSample& sample) {
+    const std::uint64_t before = state_of(tracker_);
+    const GyroReport gyro = tracker_.gyro().report();
+    const NoAllocation none;
+    const Status status = tracker_.add_angular_rate(sample);
+    const GyroReport after = tracker_.gyro().report();
+    const bool taken = ok(status) || status == Status::kGated;
+    PROMISE(3, state_of(tracker_) == before);
+    PROMISE(3, after.samples == gyro.samples + (taken ? 1U : 0U));
+    PROMISE(3, after.refused == gyro.refused + (taken ? 0U : 1U));
+  }
+
+  void restart(Input& input) {
+    PinholeCamera<float> camera = test::to_float(scene_camera());
+    Tracker::Parameters parameters;
+    for (int changes = input.below(3); changes > 0; --changes) {
+      float* const numbers[] = {&camera.fx,
+                                &camera.cy,
+                                &camera.k1,
+                                &camera.p2,
+                                &parameters.sigma_px,
+                                &parameters.window.focal_sigma,
+                                &parameters.window.start_gain,
+                                &parameters.window.start_margin,
+                                &parameters.gyro.R_camera_gyro.w(),
+                                &parameters.gyro.noise_density,
+                                &parameters.gyro.bias_sigma_radps,
+                                &parameters.gyro.time_sigma_s,
+                                &parameters.gyro.range_radps};
+      *numbers[input.below(13)] = input.wild();
+    }
+    if (input.byte() > 240) camera.lens = Lens::kFisheye;
+    const std::uint64_t before = state_of(tracker_);
+    const NoAllocation none;
+    const Status status = tracker_.initialise(camera, parameters);
+    PROMISE(3, ok(status) || state_of(tracker_) == before);
+    if (ok(status)) limit_ = parameters.work_limit;
+  }
+
+  void check() const {
+    PROMISE(4, good_pose(tracker_.T_world_camera()));
+    const Matrix<float, 6, 6>& covariance = tracker_.pose_covariance();
+    PROMISE(4, covariance.allFinite());
+    for (int i = 0; i < 6; ++i) PROMISE(5, covariance(i, i) >= 0.0F);
+    const GyroReport gyro = tracker_.gyro().report();
+    PROMISE(4, gyro.bias_radps.allFinite() && is_finite(gyro.bias_sigma_radps));
+    PROMISE(4, is_finite(gyro.time_offset_s) && is_finite(gyro.time_offset_sigma_s));
+    PROMISE(4, is_finite(gyro.difference) && gyro.products.allFinite());
+    const GyroTurn& turn = tracker_.gyro().turn();
+    PROMISE(4, turn.rotation.allFinite() && is_finite(turn.variance) && turn.variance >= 0.0F);
+    PROMISE(6, tracker_.feature_count() <= Tracker::kMaxFeatures);
+    PROMISE(6, tracker_.library().size() <= SmallConfig::kLibraryLandmarks);
+    for (int i = 0; i < tracker_.feature_count(); ++i) {
+      Vector3<float> at;
+      Matrix3<float> own;
+      if (!ok(tracker_.feature_position(i, at, own))) continue;
+      PROMISE(4, at.allFinite() && own.allFinite());
+    }
+  }
+
+  /// Prediction, and the searches and poses that no limit leaves out.
+  static constexpr int kAlways = 3000;
+
+  Tracker tracker_;
+  std::int64_t t_us_ = 0;
+  int frame_ = 0;
+  int limit_ = Tracker::Parameters().work_limit;
+};
+
+}  // namespace
+}  // namespace cairn::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  using namespace cairn::fuzz;
+  count_allocations();
+  static const std::unique_ptr<Run> cold = std::make_unique<Run>();
+  static const std::unique_ptr<Run> warm = [] {
+    auto run = std::make_unique<Run>();
+    run->film(24);
+    return run;
+  }();
+  Input input(bytes, size);
+  const auto run = std::make_unique<Run>(input.flag() ? *warm : *cold);
+  for (int i = 0; i < 16 && !input.empty(); ++i) run->step(input);
+  return 0;
+}
