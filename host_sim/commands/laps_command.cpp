@@ -14,8 +14,8 @@
 
 namespace cairn::host {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LapResult, lap, frames, tracked, lost, map_rms_m, map_worst_m,
-                                   filter_rms_m, sigma_m, nees, worst_nees, map_nees, library,
-                                   memory_mb, frame_ms)
+                                   sigma_m, nees, worst_nees, filter_rms_m, filter_sigma_m,
+                                   filter_nees, library, memory_mb, frame_ms)
 
 namespace {
 

@@ -53,7 +53,7 @@ std::optional<double> nees_of(const Matrix3<double>& covariance, const Rigid<dou
 /// Of a vehicle's pose, or of a hand-held camera's attitude.
 PoseSigma sigma_of(const Tracker& tracker) {
   if (const auto vehicle = tracker.vehicle_pose(); vehicle.has_value()) {
-    return pose_sigma(vehicle->filter_covariance.cast<float>());
+    return pose_sigma(vehicle->in_map_covariance.cast<float>());
   }
   const std::optional<Matrix3<double>> attitude = tracker.attitude_covariance();
   return {0.0F,

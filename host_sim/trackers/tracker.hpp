@@ -42,6 +42,9 @@ struct PlanarPoseEstimate {
   double theta_rad = 0.0;
   Matrix3<double> covariance = Matrix3<double>::Zero();         ///< systematic errors included
   Matrix3<double> filter_covariance = Matrix3<double>::Zero();  ///< the filter's own
+  /// Of the pose in the map, in its axes; systematic errors included.
+  Matrix3<double> map_covariance = Matrix3<double>::Zero();
+  Matrix3<double> in_map_covariance = Matrix3<double>::Zero();  ///< beside the map's own error
 };
 
 /// What the runner drives: the core's tracker behind one face for both modes.

@@ -98,6 +98,8 @@ class VehicleAdapter : public Tracker {
     estimate.theta_rad = static_cast<double>(pose.heading);
     estimate.covariance = core_->pose_covariance().template cast<double>();
     estimate.filter_covariance = core_->filter().pose_covariance().template cast<double>();
+    estimate.map_covariance = core_->map_pose_covariance().template cast<double>();
+    estimate.in_map_covariance = core_->covariance_in_map().template cast<double>();
     return estimate;
   }
   std::optional<Matrix3<double>> position_covariance() const override {

@@ -143,7 +143,7 @@ class Run {
       return filter_.add_world_landmark(id(input), place(input), covariance(input, 1e-4F, 0.1F),
                                         reference);
     }
-    return filter_.add_world_position(id(input), place(input), covariance(input, 1e-4F, 0.1F),
+    return filter_.add_frame_position(id(input), place(input), covariance(input, 1e-4F, 0.1F),
                                       reference);
   }
 

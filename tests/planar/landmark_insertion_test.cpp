@@ -145,7 +145,7 @@ TYPED_TEST(LandmarkOnPath, LandmarksOfOneMapShareTheErrorOfTheirReference) {
   constexpr LandmarkId kOther = 71;
   const Matrix3<double> shared = Vector3<double>(0.04, 0.09, 0.01).asDiagonal();
   const Matrix3<double> own = 1e-3 * Matrix3<double>::Identity();
-  ASSERT_TRUE(ok(this->filter_.add_world_position(kReference, {1.0, -2.0, 0.0}, shared)));
+  ASSERT_TRUE(ok(this->filter_.add_world_landmark(kReference, {1.0, -2.0, 0.0}, shared)));
   ASSERT_TRUE(ok(this->filter_.add_world_landmark(kNew, {4.0, 3.0, 0.5}, own, kReference)));
   ASSERT_TRUE(ok(this->filter_.add_world_landmark(kOther, {-5.0, 2.0, 1.5}, own, kReference)));
   for (const LandmarkId id : {kNew, kOther}) {
@@ -153,6 +153,46 @@ TYPED_TEST(LandmarkOnPath, LandmarksOfOneMapShareTheErrorOfTheirReference) {
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(got(i, i), shared(i, i) + own(i, i), 2e-3) << i;
   }
   EXPECT_EQ(this->filter_.add_world_landmark(72, {0, 0, 0}, own, 99), Status::kNotFound);
+}
+
+/// The frame of an old map is unsure beside the vehicle by what it was begun with: where the
+/// vehicle is in it, not where the two are.
+TYPED_TEST(LandmarkOnPath, AFrameOfAnOldMapMovesWithTheVehicle) {
+  constexpr LandmarkId kOrigin = 70;
+  constexpr LandmarkId kAhead = 71;
+  Matrix3<double> offset = Vector3<double>(0.04, 0.09, 1e-4).asDiagonal();
+  offset(0, 1) = offset(1, 0) = 0.02;
+  const Matrix3<double> turn = Vector3<double>(1e-9, 0.0025, 1e-9).asDiagonal();
+  const Vector2<double> here = this->filter_.mean_pose().position;
+  ASSERT_TRUE(ok(this->filter_.add_frame_position(kOrigin, {here.x(), here.y(), 0.0}, offset)));
+  ASSERT_TRUE(ok(
+      this->filter_.add_frame_position(kAhead, {here.x() + 10.0, here.y(), 0.0}, turn, kOrigin)));
+  const Matrix3<double> framed = this->filter_.framed_pose_covariance(kOrigin, kAhead);
+  EXPECT_LT((framed - framed.transpose()).norm(), 1e-12);
+  const Matrix2<double> in_plane = (framed - offset).template topLeftCorner<2, 2>();
+  EXPECT_LT(in_plane.norm(), 1e-6);
+  EXPECT_NEAR(framed(2, 2), 0.0025 / 100.0, 1e-9);
+}
+
+/// A drift of vehicle and landmarks together makes the pose unsure, and nothing that is seen.
+TYPED_TEST(LandmarkOnPath, NoSightingShowsADriftOfTheWorld) {
+  ASSERT_TRUE(ok(this->filter_.add_landmark(kNew, this->y_, 0.01 * Matrix3<double>::Identity())));
+  const int slot = this->filter_.find(kNew);
+  const Matrix3<double> pose = this->filter_.pose_covariance();
+  const Matrix3<double> own = this->filter_.own_pose_covariance();
+  const Matrix3<double> seen = this->filter_.relative_landmark_covariance(slot);
+  const double landmark = this->filter_.landmark_covariance(slot).trace();
+  ASSERT_TRUE(ok(this->filter_.drift_world(0.01, 0.0004)));
+  constexpr bool kGroup = std::is_same_v<TypeParam, Group>;
+  const Matrix3<double> grown = this->filter_.pose_covariance() - pose;
+  for (int i = 0; i < 2; ++i) EXPECT_NEAR(grown(i, i), kGroup ? 0.01 : 0.0, 1e-4) << i;
+  EXPECT_NEAR(grown(2, 2), kGroup ? 0.0004 : 0.0, 1e-9);
+  EXPECT_EQ(this->filter_.own_pose_covariance(), kGroup ? own : pose);
+  EXPECT_EQ(this->filter_.relative_landmark_covariance(slot), seen);
+  const double turned = 0.0004 * (square(this->y_.x()) + square(this->y_.y()));
+  EXPECT_NEAR(this->filter_.landmark_covariance(slot).trace() - landmark,
+              kGroup ? 0.02 + turned : 0.0, 1e-3);
+  EXPECT_EQ(this->filter_.drift_world(-0.1, 0.0), Status::kInvalidArgument);
 }
 
 TEST(LandmarkOnPathLifted, TakesTheDistanceTravelledAsIndependentNoise) {

@@ -121,6 +121,60 @@ TEST_F(MapOfAVehicle, DoesNotArchiveWhatHasNoDescriptor) {
   EXPECT_EQ(health_.landmarks_archived, 0U);
 }
 
+/// What the filter knows of it comes from that place: stored again it would count twice.
+TEST_F(MapOfAVehicle, LeavesALandmarkOfTheLibraryWhereItIs) {
+  const LandmarkId id = add(1.0F, 0, 12);
+  TrackedLandmark& landmark = *estimate_->landmarks().find(id);
+  landmark.from_library = true;
+  auto f = frame();
+  archive_.archive(f, *estimate_, estimate_->filter().find(id), landmark);
+  EXPECT_EQ(map_->messages.front(), nullptr);
+  landmark.from_library = false;
+  archive_.archive(f, *estimate_, estimate_->filter().find(id), landmark);
+  EXPECT_NE(map_->messages.front(), nullptr);
+}
+
+TEST_F(MapOfAVehicle, ArchivesNothingWhereTheLibraryShowsThePlace) {
+  for (int k = 0; k < 8; ++k) {
+    TrackedLandmark& known = *estimate_->landmarks().find(add(2.0F + static_cast<float>(k)));
+    known.from_library = known.searched = true;
+  }
+  const LandmarkId id = add(1.0F, 0, 12);
+  TrackedLandmark& landmark = *estimate_->landmarks().find(id);
+  auto f = frame();
+  archive_.archive_mature(f, *estimate_, landmark);
+  archive_.archive(f, *estimate_, estimate_->filter().find(id), landmark);
+  EXPECT_EQ(health_.landmarks_archived, 0U);
+  EXPECT_FALSE(landmark.stored);
+  estimate_->landmarks().begin()->misses = 1;
+  archive_.archive_mature(f, *estimate_, landmark);
+  EXPECT_EQ(health_.landmarks_archived, 1U);
+}
+
+/// Until the map is recognised the pose's error is the map's. From then on the map keeps the error
+/// that the pose had, turned about the place where it was recognised.
+TEST_F(MapOfAVehicle, TheMapsErrorIsThatOfThePoseThatRecognisedIt) {
+  EXPECT_EQ(archive_.map_covariance(*estimate_), Matrix3<float>::Zero().eval());
+  EXPECT_EQ(archive_.covariance_in_map(*estimate_), estimate_->filter().pose_covariance());
+  ASSERT_TRUE(ok(estimate_->filter().widen_pose(0.01F, 0.0009F)));
+  archive_.note_tracked(*estimate_);
+  const Matrix3<float> known = estimate_->filter().pose_covariance();
+  auto f = frame();
+  ASSERT_TRUE(archive_.reactivate(f, *estimate_, archived(50, {3.0F, 2.0F, 1.0F})));
+  EXPECT_LT((archive_.map_covariance(*estimate_) - known).norm(), 1e-6F);
+
+  PlanarIncrement<float> step;
+  step.distance_m = 3.0F;
+  ASSERT_TRUE(ok(estimate_->filter().predict(step)));
+  ASSERT_TRUE(ok(estimate_->filter().widen_pose(1.0F, 0.0F)));
+  archive_.note_tracked(*estimate_);
+  const Matrix3<float> map = archive_.map_covariance(*estimate_);
+  EXPECT_NEAR(map(0, 0), known(0, 0), 1e-5F);
+  EXPECT_NEAR(map(1, 1), known(1, 1) + 9.0F * known(2, 2), 1e-4F);
+  EXPECT_NEAR(map(2, 2), known(2, 2), 1e-6F);
+  EXPECT_GT(archive_.covariance_in_map(*estimate_)(0, 0), 1.0F);
+}
+
 TEST_F(MapOfAVehicle, CountsMessagesForWhichThereIsNoRoom) {
   auto f = frame();
   for (int k = 0; k < 100; ++k) archive_.report_found(f, 1);

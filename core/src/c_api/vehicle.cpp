@@ -130,9 +130,7 @@ cairn_status cairn_vehicle_get_pose(const cairn_vehicle* vehicle, cairn_vehicle_
   pose->x_m = T_map_vehicle.translation.x();
   pose->y_m = T_map_vehicle.translation.y();
   pose->heading_rad = cairn::wrap_angle(2.0F * cairn::atan2(q.z(), q.w()));
-  cairn::Matrix3<float> R =
-      vehicle->tracker.T_world_map().inverse().rotation.toRotationMatrix();  // about z
-  const cairn::Matrix3<float> covariance = R * vehicle->tracker.pose_covariance() * R.transpose();
+  const cairn::Matrix3<float> covariance = vehicle->tracker.map_pose_covariance();
   for (int i = 0; i < 9; ++i) pose->covariance[i] = covariance(i / 3, i % 3);
   return CAIRN_OK;
 }

@@ -51,15 +51,15 @@ class LapSums {
     const Vector3<double> in_map =
         error_of(reported.translation.x(), reported.translation.y(), heading_of(reported), truth);
     const Vector3<double> in_filter = error_of(pose.x_m, pose.y_m, pose.theta_rad, truth);
-    const Matrix3<double> information = pose.filter_covariance.inverse();
     map_squares_ += in_map.head<2>().squaredNorm();
     filter_squares_ += in_filter.head<2>().squaredNorm();
     result_.map_worst_m = std::max(result_.map_worst_m, in_map.head<2>().norm());
-    const double nees = in_filter.dot(information * in_filter);
+    const double nees = in_map.dot(pose.map_covariance.inverse() * in_map);
     nees_ += nees;
     result_.worst_nees = std::max(result_.worst_nees, nees);
-    map_nees_ += in_map.dot(information * in_map);
-    sigma_ += std::sqrt(pose.covariance(0, 0) + pose.covariance(1, 1));
+    filter_nees_ += in_filter.dot(pose.filter_covariance.inverse() * in_filter);
+    sigma_ += std::sqrt(pose.map_covariance(0, 0) + pose.map_covariance(1, 1));
+    filter_sigma_ += std::sqrt(pose.filter_covariance(0, 0) + pose.filter_covariance(1, 1));
     ms_ += ms;
   }
 
@@ -69,8 +69,9 @@ class LapSums {
     result.map_rms_m = std::sqrt(map_squares_ / n);
     result.filter_rms_m = std::sqrt(filter_squares_ / n);
     result.nees = nees_ / n;
-    result.map_nees = map_nees_ / n;
+    result.filter_nees = filter_nees_ / n;
     result.sigma_m = sigma_ / n;
+    result.filter_sigma_m = filter_sigma_ / n;
     result.frame_ms = ms_ / n;
     result.library = library;
     result.memory_mb = resident_mb();
@@ -83,8 +84,9 @@ class LapSums {
   double map_squares_ = 0.0;
   double filter_squares_ = 0.0;
   double nees_ = 0.0;
-  double map_nees_ = 0.0;
+  double filter_nees_ = 0.0;
   double sigma_ = 0.0;
+  double filter_sigma_ = 0.0;
   double ms_ = 0.0;
 };
 
@@ -129,16 +131,16 @@ std::vector<LapResult> run_laps(FrameSource& source, const TrackerOptions& optio
 }
 
 std::string laps_header() {
-  return "lap,frames,tracked,lost,map_rms_m,map_worst_m,filter_rms_m,sigma_m,nees,worst_nees,"
-         "map_nees,library,memory_mb,frame_ms\n";
+  return "lap,frames,tracked,lost,map_rms_m,map_worst_m,sigma_m,nees,worst_nees,filter_rms_m,"
+         "filter_sigma_m,filter_nees,library,memory_mb,frame_ms\n";
 }
 
 std::string laps_row(const LapResult& lap) {
   return fmt::format(
-      "{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f},{:.3f},{},{:.2f},{:.3f}\n", lap.lap,
-      lap.frames, lap.tracked, lap.lost, lap.map_rms_m, lap.map_worst_m, lap.filter_rms_m,
-      lap.sigma_m, lap.nees, lap.worst_nees, lap.map_nees, lap.library, lap.memory_mb,
-      lap.frame_ms);
+      "{},{},{},{},{:.4f},{:.4f},{:.4f},{:.3f},{:.3f},{:.4f},{:.4f},{:.3f},{},{:.2f},{:.3f}\n",
+      lap.lap, lap.frames, lap.tracked, lap.lost, lap.map_rms_m, lap.map_worst_m, lap.sigma_m,
+      lap.nees, lap.worst_nees, lap.filter_rms_m, lap.filter_sigma_m, lap.filter_nees, lap.library,
+      lap.memory_mb, lap.frame_ms);
 }
 
 }  // namespace cairn::host

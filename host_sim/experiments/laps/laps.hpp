@@ -17,11 +17,12 @@ struct LapResult {
   int lost = 0;
   double map_rms_m = 0.0;  ///< of the reported pose, in the map's frame
   double map_worst_m = 0.0;
-  double filter_rms_m = 0.0;  ///< of the filter's pose, in its own world
-  double sigma_m = 0.0;       ///< that the filter states, mean over the lap
-  double nees = 0.0;          ///< of the filter's pose, 3 degrees of freedom, mean
+  double sigma_m = 0.0;  ///< that is stated of it, mean over the lap
+  double nees = 0.0;     ///< of the reported pose, 3 degrees of freedom, mean
   double worst_nees = 0.0;
-  double map_nees = 0.0;  ///< of the reported pose with the filter's covariance, mean
+  double filter_rms_m = 0.0;    ///< of the filter's pose, in its own world
+  double filter_sigma_m = 0.0;  ///< that the filter states, mean over the lap
+  double filter_nees = 0.0;     ///< of the filter's pose and covariance, mean
   int library = 0;
   double memory_mb = 0.0;  ///< resident set of the process at the lap's end
   double frame_ms = 0.0;   ///< processor time of the tracker, mean

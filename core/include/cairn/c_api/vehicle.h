@@ -56,7 +56,8 @@ typedef struct cairn_odometry {
 } cairn_odometry;
 
 /** The vehicle on the floor of the map. Covariance of (x, y, heading) in the map's axes, row by
- * row: of the filter's estimate, without what the map itself is wrong by. */
+ * row: of the vehicle's place in the map, of what the map may be wrong by where it was recognised,
+ * and of what calibration leaves. */
 typedef struct cairn_vehicle_pose {
   float x_m, y_m, heading_rad;
   float covariance[9];

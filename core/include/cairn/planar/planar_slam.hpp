@@ -61,7 +61,7 @@ class PlanarSlam {
   /// Most observations in one update.
   static constexpr int kMaxObservations = kMaxLandmarks < 24 ? 48 : 2 * kMaxLandmarks;
   /// Whether landmarks known in the world can be added. Where not, add_world_landmark(),
-  /// add_world_position(), add_framed_landmark() and widen_frame() return kInvalidArgument.
+  /// add_frame_position(), add_framed_landmark() and widen_frame() return kInvalidArgument.
   static constexpr bool kHasWorldLandmarks = ErrorModel::kHasWorldLandmarks;
   /// Whether the vehicle's body can tilt (PlanarParameters::tilt). A body that cannot is level:
   /// predict_tilt() does nothing, and initialise() refuses a tilt.
@@ -169,19 +169,22 @@ class PlanarSlam {
                               LandmarkId* replaced = nullptr);
 
   /// Adds a landmark known in the world, m, from elsewhere than this filter: its error is that of
-  /// `reference`, a remembered position of add_world_position(), plus an independent part. Without
+  /// `reference`, a landmark known in the world too, plus an independent part. Without
   /// a reference all of it is taken as independent, although landmarks of one old map have
   /// correlated errors. Errors: as add_landmark(), kNotFound (no such reference).
   Status add_world_landmark(LandmarkId id, const LandmarkVector& p_world,
                             const LandmarkMatrix& covariance, LandmarkId reference = kNoLandmark,
                             LandmarkId* replaced = nullptr);
 
-  /// Adds a place of an old map as a state of its own, which stands for the error that landmarks of
-  /// that map share. Kept and removed as those of add_position(). Errors: as add_world_landmark().
-  Status add_world_position(LandmarkId id, const LandmarkVector& p_world,
+  /// Adds a place of an old map as a state of its own, to hold the frame of that map with a second
+  /// one. `covariance`, m^2, is of where it lies seen from the vehicle, or from `reference`, the
+  /// first of the two: what the vehicle's pose is wrong by moves both, so that seeing the old map
+  /// tells where the vehicle is in it, and not where the two are. Kept and removed as those of
+  /// add_position(). Errors: as add_world_landmark().
+  Status add_frame_position(LandmarkId id, const LandmarkVector& p_world,
                             const LandmarkMatrix& covariance, LandmarkId reference = kNoLandmark);
 
-  /// Adds a landmark of an old map whose frame is held by two positions of add_world_position(),
+  /// Adds a landmark of an old map whose frame is held by two positions of add_frame_position(),
   /// `ahead` referring to `origin`: its error is what turn and offset of that frame make of it plus
   /// an independent part. With p = origin + lambda (ahead - origin) in complex numbers of the plane
   /// it is (1 - lambda) that of origin + lambda that of ahead, the height's is origin's. Errors: as
@@ -195,6 +198,16 @@ class PlanarSlam {
   /// elements of the covariance.
   Status widen_frame(LandmarkId origin, LandmarkId ahead, Scalar position_variance,
                      Scalar heading_variance);
+
+  /// Covariance over (x, y, heading), m and rad, of the pose in such a frame, in the world's axes.
+  /// Cost: 50 elements of the covariance. Domain: `origin` and `ahead` are such a frame.
+  Matrix3<Scalar> framed_pose_covariance(LandmarkId origin, LandmarkId ahead) const;
+
+  /// Pose and landmarks together move by independent offsets of `position_variance` m^2 per axis
+  /// and turn about the vehicle by `heading_variance` rad^2: what a map that is seen piece after
+  /// piece drifts by. No sighting shows it, and none counts as one of it. Group filter alone,
+  /// others do nothing. kNotInitialised, kInvalidArgument. Cost: O(1).
+  Status drift_world(Scalar position_variance, Scalar heading_variance);
 
   /// Forgets a landmark; the last one moves into its slot. kNotFound when there is no such slot.
   Status remove_landmark(int slot);
@@ -213,21 +226,8 @@ class PlanarSlam {
   /// was before: for put_back(), as long as nothing else has changed. Without world landmarks: does
   /// nothing.
   Placement place(const PlanarPose<Scalar>& pose, Scalar position_variance,
-                  Scalar heading_variance) {
-    Placement before{mean_pose(), {}};
-    if constexpr (kHasWorldLandmarks) {
-      before.waiting_noise = model_.waiting_noise();
-      model_.move_pose(pose);
-      model_.bound_waiting_noise(position_variance, heading_variance);
-    }
-    return before;
-  }
-  void put_back(const Placement& before) {
-    if constexpr (kHasWorldLandmarks) {
-      model_.move_pose(before.pose);
-      model_.set_waiting_noise(before.waiting_noise);
-    }
-  }
+                  Scalar heading_variance);
+  void put_back(const Placement& before);
 
   /// Where the heading has become so unsure that a turn about the error's distant centre would not
   /// be linear, moves that centre to the vehicle; the estimate stays. Before an update, after what
@@ -249,10 +249,7 @@ class PlanarSlam {
     return Matrix2<Scalar>::Zero();
   }
   /// Variances of what `dt_s` seconds add to (pitch, roll), rad^2.
-  Vector2<Scalar> tilt_noise(Scalar dt_s) const {
-    if (!tilts()) return Vector2<Scalar>::Zero();
-    return parameters_.tilt.noise(parameters_.tilt.decay(dt_s));
-  }
+  Vector2<Scalar> tilt_noise(Scalar dt_s) const;
   /// Mean pose, the point of linearisation: what images are registered with.
   PlanarPose<Scalar> mean_pose() const { return model_.mean_pose(); }
   /// Mean landmark, the partner of mean_pose(), m.
@@ -260,6 +257,9 @@ class PlanarSlam {
   /// Expected pose given the error's distribution, and its covariance over (x, y, heading).
   PlanarPose<Scalar> pose() const { return model_.pose(); }
   Matrix3<Scalar> pose_covariance() const { return model_.pose_covariance(); }
+  /// Of the pose beside the error that it shares with all landmarks, which no sighting shows, where
+  /// the model keeps that apart (GroupIekfSlam); as pose_covariance() elsewhere.
+  Matrix3<Scalar> own_pose_covariance() const;
   /// Expected landmark, the partner of pose(), m; and its covariance, m^2.
   LandmarkVector landmark_position(int slot) const { return model_.landmark_position(slot); }
   LandmarkMatrix landmark_covariance(int slot) const { return model_.landmark_covariance(slot); }
@@ -319,6 +319,9 @@ class PlanarSlam {
   __attribute__((noinline)) Status check_landmark(const LandmarkVector& p,
                                                   const LandmarkMatrix& covariance);
   Status make_room(LandmarkId id, LandmarkId* replaced);
+  Status make_room_in_world(LandmarkId id, const LandmarkVector& p_world,
+                            const LandmarkMatrix& covariance, LandmarkId reference,
+                            LandmarkId* replaced);
   void enter(LandmarkId id, bool pinned = false);
 
   bool initialised_ = false;

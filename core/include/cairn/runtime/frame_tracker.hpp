@@ -148,6 +148,17 @@ class FrameTracker {
   Matrix3<float> pose_covariance() const {
     return filter().pose_covariance() + systematic_.covariance(filter().pose().position - start_);
   }
+  /// Covariance of T_map_vehicle() over (x, y, heading), m and rad, in the map's axes: of the
+  /// vehicle's place in the map, what the map itself may be wrong by, and the systematic errors.
+  Matrix3<float> map_pose_covariance() const {
+    const auto& archive = map_reuse_.archive();
+    return covariance_in_map() + archive.map_covariance(estimate_) +
+           systematic_.covariance(archive.pose_in_map(estimate_).position - start_);
+  }
+  /// The same without what pose and map are wrong by together: how well the two agree.
+  Matrix3<float> covariance_in_map() const {
+    return map_reuse_.archive().covariance_in_map(estimate_);
+  }
   /// In the filter's frame.
   Rigid<float> T_world_camera() const { return estimate_.T_world_camera(); }
   /// The map's frame in the filter's: identity until landmarks of the library were reactivated.
@@ -174,6 +185,7 @@ class FrameTracker {
   void begin(const ImageView& image);
   void restart_clock(std::int64_t t_us);
   Status predict(std::int64_t t_us);
+  void drift_world(float distance_m);
   Status pass_over(Status status);
   void measure(Frame& frame);
   Status update(Frame& frame, Status status);

@@ -65,6 +65,10 @@ class VehicleTracker {
   const Rigid<float>& T_vehicle_camera() const { return frames_.T_vehicle_camera(); }
   /// As FrameTracker::pose_covariance().
   Matrix3<float> pose_covariance() const { return frames_.pose_covariance(); }
+  /// As FrameTracker::map_pose_covariance().
+  Matrix3<float> map_pose_covariance() const { return frames_.map_pose_covariance(); }
+  /// As FrameTracker::covariance_in_map().
+  Matrix3<float> covariance_in_map() const { return frames_.covariance_in_map(); }
   /// In the filter's frame.
   Rigid<float> T_world_camera() const { return frames_.T_world_camera(); }
   /// The map's frame in the filter's, as FrameTracker::T_world_map().

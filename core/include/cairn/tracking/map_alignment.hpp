@@ -53,6 +53,13 @@ class MapAlignment {
   /// Adds the drift of the distance travelled since the last call. Cost: as Filter::widen_frame().
   void add_drift(Filter& filter, const MapDrift& drift);
 
+  /// Covariance of the vehicle's pose in the map over (x, y, heading), in the map's axes, m and
+  /// rad; beside the map's own error. Only while estimated(). Cost: as
+  /// Filter::framed_pose_covariance().
+  Matrix3<float> pose_covariance(const Filter& filter) const;
+  /// Place of the map, m, where it was recognised.
+  Vector2<float> recognised_at() const { return p_map_origin_.template head<2>(); }
+
   /// Adds a landmark of the map: position and own covariance in the map's frame, m, m^2. Errors and
   /// cost: as Filter::add_framed_landmark().
   Status add_landmark(Filter& filter, LandmarkId id, const Vector3<float>& p_map,
@@ -90,13 +97,13 @@ Status MapAlignment<Filter>::begin(Filter& filter, LandmarkId& next_id,
   const Vector3<float> across = T_world_vehicle.rotation * Vector3<float>(0.0F, kArm_m, 0.0F);
   Matrix3<float> shared = Matrix3<float>::Identity() * (kTiny + height_variance);
   shared.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>();
-  Status status = filter.add_world_position(next_id, T_world_vehicle.translation, shared);
+  Status status = filter.add_frame_position(next_id, T_world_vehicle.translation, shared);
   if (!ok(status)) return status;
   Matrix3<float> by_heading = Matrix3<float>::Identity() * kTiny;
   for (int i = 0; i < 2; ++i) {
     for (int j = 0; j < 2; ++j) by_heading(i, j) += covariance(2, 2) * across(i) * across(j);
   }
-  status = filter.add_world_position(next_id + 1, T_world_vehicle.translation + arm, by_heading,
+  status = filter.add_frame_position(next_id + 1, T_world_vehicle.translation + arm, by_heading,
                                      next_id);
   if (!ok(status)) {
     static_cast<void>(filter.remove_landmark(filter.find(next_id)));
@@ -117,6 +124,12 @@ void MapAlignment<Filter>::add_drift(Filter& filter, const MapDrift& drift) {
   drifted_at_ = here;
   static_cast<void>(filter.widen_frame(origin_, ahead_, square(drift.position_m) * distance_m,
                                        square(drift.heading_rad) * distance_m));
+}
+
+template <class Filter>
+Matrix3<float> MapAlignment<Filter>::pose_covariance(const Filter& filter) const {
+  const Matrix3<float> R = T_world_map(filter).rotation.toRotationMatrix();
+  return R.transpose() * filter.framed_pose_covariance(origin_, ahead_) * R;
 }
 
 template <class Filter>

@@ -42,8 +42,12 @@ class VehicleArchive {
     policy_.reset();
     tracked_covariance_ = covariance;
   }
-  /// The alignment begins with the pose's covariance of the last frame that tracked.
-  void note_tracked(const Matrix3<float>& covariance) { tracked_covariance_ = covariance; }
+  /// The alignment begins with the pose's covariance of the last frame that tracked: as much may
+  /// the map be wrong by where it is recognised.
+  void note_tracked(const Estimate& estimate) {
+    if (recognised(estimate)) return;
+    tracked_covariance_ = estimate.filter().pose_covariance();
+  }
   ReactivationPolicy& policy() { return policy_; }
   const ReactivationPolicy& policy() const { return policy_; }
 
@@ -60,14 +64,21 @@ class VehicleArchive {
   }
   /// The vehicle's pose in the map.
   PlanarPose<float> pose_in_map(const Estimate& estimate) const;
+  /// Its covariance over (x, y, heading), m and rad, in the map's axes: how well the vehicle's
+  /// place in the map is known, whatever the map is wrong by.
+  Matrix3<float> covariance_in_map(const Estimate& estimate) const;
+  /// What the map itself may be wrong by where the vehicle is: the error that the pose had when the
+  /// map was recognised, which turns the map about that place. Zero until then: the map's error is
+  /// the pose's.
+  Matrix3<float> map_covariance(const Estimate& estimate) const;
 
-  /// Sends the landmark in the filter's `slot` to the map builder; one without a descriptor, by
-  /// which a place is recognised, is not sent.
+  /// Sends the landmark in the filter's `slot` to the map builder; not one without a descriptor, by
+  /// which a place is recognised, and none where the library shows the place already.
   void archive(Frame& frame, const Estimate& estimate, int slot, const TrackedLandmark& landmark);
   /// The same for a landmark that has become mature, once.
   void archive_mature(Frame& frame, const Estimate& estimate, TrackedLandmark& landmark) {
     if (landmark.stored || landmark.measured < parameters_.mature_sightings) return;
-    if (!landmark.appearance.has_descriptor) return;
+    if (!landmark.appearance.has_descriptor || known_here(estimate)) return;
     archive(frame, estimate, estimate.filter().find(landmark.id), landmark);
     landmark.stored = true;
   }
@@ -88,6 +99,21 @@ class VehicleArchive {
 
  private:
   void send(Frame& frame, typename Message::Kind kind, LandmarkId id);
+  /// Whether the library shows enough here: twice as many landmarks as hold a pose.
+  static bool known_here(const Estimate& estimate) {
+    constexpr int kEnough = 8;
+    int found = 0;
+    for (const TrackedLandmark& landmark : estimate.landmarks()) {
+      const bool seen = landmark.from_library && landmark.measured > 0 && landmark.searched;
+      found += seen && landmark.misses == 0 ? 1 : 0;
+    }
+    return found >= kEnough;
+  }
+  /// Whether the alignment is estimated.
+  bool recognised(const Estimate& estimate) const {
+    if constexpr (kReactivates) return alignment_.estimated(estimate.filter());
+    return false;
+  }
 
   Parameters parameters_;
   MapAlignment<Filter> alignment_;
@@ -104,6 +130,24 @@ PlanarPose<float> VehicleArchive<Config, Filter>::pose_in_map(const Estimate& es
   pose.position = T_map_vehicle.translation.template head<2>();
   pose.heading = atan2(forward.y(), forward.x());
   return pose;
+}
+
+template <class Config, class Filter>
+Matrix3<float> VehicleArchive<Config, Filter>::covariance_in_map(const Estimate& estimate) const {
+  if constexpr (kReactivates) {
+    if (recognised(estimate)) return alignment_.pose_covariance(estimate.filter());
+  }
+  return estimate.filter().pose_covariance();
+}
+
+template <class Config, class Filter>
+Matrix3<float> VehicleArchive<Config, Filter>::map_covariance(const Estimate& estimate) const {
+  if (!recognised(estimate)) return Matrix3<float>::Zero();
+  const Vector2<float> away = pose_in_map(estimate).position - alignment_.recognised_at();
+  Matrix3<float> turned = Matrix3<float>::Identity();
+  turned(0, 2) = -away.y();
+  turned(1, 2) = away.x();
+  return turned * tracked_covariance_ * turned.transpose();
 }
 
 template <class Config, class Filter>
@@ -130,11 +174,15 @@ void VehicleArchive<Config, Filter>::note_inlier(Frame& frame, Estimate& estimat
 }
 
 /// With its covariance relative to the vehicle: the pose's own error is shared with the map around
-/// it and left out.
+/// it and left out. A landmark of the library stays in the place that it has there: the filter's
+/// estimate of it is made of that place, and to store it again would count that twice and let the
+/// map drift from visit to visit. So would new landmarks that replace old ones where the library
+/// already shows the place.
 template <class Config, class Filter>
 void VehicleArchive<Config, Filter>::archive(Frame& frame, const Estimate& estimate, int slot,
                                              const TrackedLandmark& landmark) {
   if (!landmark.appearance.has_descriptor) return;
+  if (landmark.from_library || known_here(estimate)) return;
   const Filter& filter = estimate.filter();
   const Rigid<float> T_map_world = T_world_map(filter).inverse();
   const Matrix3<float> R = T_map_world.rotation.toRotationMatrix();

@@ -241,8 +241,9 @@ bool VehicleEstimate<Filter>::find_agreed(FrameContext& frame, Matches& matches,
   }
   bool inliers[kMost] = {};
   int inlier_count = 0;
-  if (!ok(find_planar_consensus(view, {filter_.mean_pose(), filter_.pose_covariance()}, sightings,
-                                count, PlanarConsensusOptions{}, pose, inliers, inlier_count))) {
+  if (!ok(find_planar_consensus(view, {filter_.mean_pose(), filter_.own_pose_covariance()},
+                                sightings, count, PlanarConsensusOptions{}, pose, inliers,
+                                inlier_count))) {
     return false;
   }
   int kept = 0;

@@ -174,7 +174,7 @@ PlaceVerification VehicleMapReuse<Config, Filter>::relocalise(Frame& frame, Esti
   if (!relocalisation_.working()) {
     if (!relocalisation_.takes_image(frame.image, budget)) return result;
     relocalisation_.capture(frame.image, estimate.T_world_camera(),
-                            {archive_.pose_in_map(estimate), estimate.filter().pose_covariance()},
+                            {archive_.pose_in_map(estimate), archive_.covariance_in_map(estimate)},
                             frame.scratch.relocaliser, budget);
     return result;
   }
@@ -215,19 +215,19 @@ bool VehicleMapReuse<Config, Filter>::plausible(const Estimate& estimate,
   constexpr float kPoseVariance = 0.01F;  // m^2; a tenth of it in rad^2: of a pose from one image
   constexpr float kGateDof3 = 21.11F;     // 99.99 %
   const Rigid<float> T_camera_vehicle = estimate.T_vehicle_camera().inverse();
-  const Rigid<float> T_world_found =
-      (archive_.T_world_map(estimate.filter()) * T_map_camera) * T_camera_vehicle;
-  const Rigid<float> T_world_expected = relocalisation_.T_world_camera() * T_camera_vehicle;
-  const Rigid<float> T_expected_found = T_world_expected.inverse() * T_world_found;
+  const Rigid<float> T_map_found = T_map_camera * T_camera_vehicle;
+  const Rigid<float> T_map_expected = archive_.T_world_map(estimate.filter()).inverse() *
+                                      relocalisation_.T_world_camera() * T_camera_vehicle;
+  const Rigid<float> T_expected_found = T_map_expected.inverse() * T_map_found;
   const Vector3<float> rotation = rotation_log(T_expected_found.rotation);
   const Vector3<float>& moved = T_expected_found.translation;
   if (abs(rotation.x()) > kMaxTilt || abs(rotation.y()) > kMaxTilt ||
       abs(moved.z()) > kMaxHeight_m) {
     return false;
   }
-  const Vector3<float> moved_world = T_world_expected.rotation * moved;
-  const Vector3<float> error(moved_world.x(), moved_world.y(), rotation.z());
-  Matrix3<float> S = estimate.filter().pose_covariance();
+  const Vector3<float> moved_map = T_map_expected.rotation * moved;
+  const Vector3<float> error(moved_map.x(), moved_map.y(), rotation.z());
+  Matrix3<float> S = archive_.covariance_in_map(estimate);
   for (int i = 0; i < 3; ++i) S(i, i) += i < 2 ? kPoseVariance : 0.1F * kPoseVariance;
   return error.dot(S.inverse() * error) <= kGateDof3;
 }

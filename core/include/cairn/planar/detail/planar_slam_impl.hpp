@@ -85,6 +85,18 @@ Status PlanarSlam<ErrorModel>::predict_tilt(T dt_s) {
   return Status::kOk;
 }
 
+template <class ErrorModel>
+Vector2<typename ErrorModel::Scalar> PlanarSlam<ErrorModel>::tilt_noise(T dt_s) const {
+  if (!tilts()) return Vector2<T>::Zero();
+  return parameters_.tilt.noise(parameters_.tilt.decay(dt_s));
+}
+
+template <class ErrorModel>
+Matrix3<typename ErrorModel::Scalar> PlanarSlam<ErrorModel>::own_pose_covariance() const {
+  if constexpr (ErrorModel::kTurnsAboutAnchor) return model_.own_pose_covariance();
+  return pose_covariance();
+}
+
 /// The vehicle may have moved, or there is something to learn without motion.
 template <class ErrorModel>
 void PlanarSlam<ErrorModel>::end_rest() {

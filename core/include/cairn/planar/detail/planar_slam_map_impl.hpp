@@ -3,7 +3,7 @@
 #include "cairn/planar/error_model/landmark_insertion.hpp"
 #include "cairn/planar/planar_slam.hpp"
 
-// PlanarSlam: landmarks come and go.
+// PlanarSlam: landmarks come and go, and so does the place where the vehicle is.
 
 namespace cairn {
 
@@ -119,12 +119,8 @@ Status PlanarSlam<ErrorModel>::add_world_landmark(LandmarkId id, const LandmarkV
   if constexpr (!kHasWorldLandmarks) {
     return Status::kInvalidArgument;
   } else {
-    const Status valid = check_landmark(p_world, covariance);
-    if (!ok(valid)) return valid;
-    if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;
-    const Status status = make_room(id, replaced);
+    const Status status = make_room_in_world(id, p_world, covariance, reference, replaced);
     if (!ok(status)) return status;
-    update_.absorb_deferred_noise(model_);
     detail::append_of_world(model_, p_world, covariance, find(reference));
     enter(id);
     return Status::kOk;
@@ -132,12 +128,83 @@ Status PlanarSlam<ErrorModel>::add_world_landmark(LandmarkId id, const LandmarkV
 }
 
 template <class ErrorModel>
-Status PlanarSlam<ErrorModel>::add_world_position(LandmarkId id, const LandmarkVector& p_world,
+Status PlanarSlam<ErrorModel>::make_room_in_world(LandmarkId id, const LandmarkVector& p_world,
+                                                  const LandmarkMatrix& covariance,
+                                                  LandmarkId reference, LandmarkId* replaced) {
+  const Status valid = check_landmark(p_world, covariance);
+  if (!ok(valid)) return valid;
+  if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;
+  const Status status = make_room(id, replaced);
+  if (ok(status)) update_.absorb_deferred_noise(model_);
+  return status;
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::add_frame_position(LandmarkId id, const LandmarkVector& p_world,
                                                   const LandmarkMatrix& covariance,
                                                   LandmarkId reference) {
-  const Status status = add_world_landmark(id, p_world, covariance, reference);
-  if (ok(status)) slots_.statistics(slots_.size() - 1).pinned = true;
-  return status;
+  if constexpr (!kHasWorldLandmarks) {
+    return Status::kInvalidArgument;
+  } else {
+    const Status status = make_room_in_world(id, p_world, covariance, reference, nullptr);
+    if (!ok(status)) return status;
+    detail::append_beside_vehicle(model_, p_world, covariance, find(reference));
+    enter(id, true);
+    return Status::kOk;
+  }
+}
+
+/// In complex numbers of the plane the pose in the frame is (x - origin) / (ahead - origin), whose
+/// error is that of x without (1 - lambda) origin's and lambda ahead's. The group's error turns all
+/// of them and the heading by the same angle.
+template <class ErrorModel>
+Matrix3<typename ErrorModel::Scalar> PlanarSlam<ErrorModel>::framed_pose_covariance(
+    LandmarkId origin, LandmarkId ahead) const {
+  if constexpr (!kHasWorldLandmarks) {
+    return Matrix3<T>::Zero();
+  } else {
+    constexpr int kTerms = 7;
+    const int o = model_.state_of(find(origin));
+    const int a = model_.state_of(find(ahead));
+    constexpr int kX = ErrorModel::kPositionState;
+    const int index[kTerms] = {ErrorModel::kHeadingState, kX, kX + 1, o, o + 1, a, a + 1};
+    T lambda[2] = {};
+    LandmarkVector x = LandmarkVector::Zero();
+    x.template head<2>() = model_.mean_pose().position;
+    static_cast<void>(detail::place_in_frame(model_, x, find(origin), find(ahead), lambda));
+    const Vector2<T> arm =
+        (model_.mean_landmark(find(ahead)) - model_.mean_landmark(find(origin))).template head<2>();
+    const T per_arm = T(1) / arm.squaredNorm();
+    const T turn[2] = {arm.y() * per_arm, -arm.x() * per_arm};
+    const T own = ErrorModel::kTurnsAboutAnchor ? T(0) : T(1);
+    const T rows[3][kTerms] = {
+        {T(0), T(1), T(0), lambda[0] - T(1), -lambda[1], -lambda[0], lambda[1]},
+        {T(0), T(0), T(1), lambda[1], lambda[0] - T(1), -lambda[1], -lambda[0]},
+        {own, T(0), T(0), -turn[0], -turn[1], turn[0], turn[1]}};
+    Matrix3<T> out = Matrix3<T>::Zero();
+    for (int k = 0; k < kTerms; ++k) {
+      for (int l = 0; l < kTerms; ++l) {
+        const T c = error_covariance(index[k], index[l]);
+        for (int i = 0; i < 3; ++i) {
+          for (int j = 0; j < 3; ++j) out(i, j) += rows[i][k] * c * rows[j][l];
+        }
+      }
+    }
+    return out;
+  }
+}
+
+template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::drift_world(T position_variance, T heading_variance) {
+  if (!initialised_) return Status::kNotInitialised;
+  const bool finite = is_finite(position_variance) && is_finite(heading_variance);
+  if (!finite || position_variance < T(0) || heading_variance < T(0)) {
+    return Status::kInvalidArgument;
+  }
+  if constexpr (ErrorModel::kTurnsAboutAnchor) {
+    model_.drift_world(position_variance, heading_variance);
+  }
+  return Status::kOk;
 }
 
 template <class ErrorModel>
@@ -180,6 +247,27 @@ Status PlanarSlam<ErrorModel>::widen_frame(LandmarkId origin, LandmarkId ahead, 
     end_rest();
     detail::widen_frame(model_, at_origin, at_ahead, position_variance, heading_variance);
     return Status::kOk;
+  }
+}
+
+template <class ErrorModel>
+typename PlanarSlam<ErrorModel>::Placement PlanarSlam<ErrorModel>::place(const PlanarPose<T>& pose,
+                                                                         T position_variance,
+                                                                         T heading_variance) {
+  Placement before{mean_pose(), {}};
+  if constexpr (kHasWorldLandmarks) {
+    before.waiting_noise = model_.waiting_noise();
+    model_.move_pose(pose);
+    model_.bound_waiting_noise(position_variance, heading_variance);
+  }
+  return before;
+}
+
+template <class ErrorModel>
+void PlanarSlam<ErrorModel>::put_back(const Placement& before) {
+  if constexpr (kHasWorldLandmarks) {
+    model_.move_pose(before.pose);
+    model_.set_waiting_noise(before.waiting_noise);
   }
 }
 

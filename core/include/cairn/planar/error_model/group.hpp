@@ -40,7 +40,9 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   /// Pose and landmarks are the exact moments of the Gaussian error (paper A's idea of reading the
   /// lifted state out), in a frame anchored at the first estimate.
   PlanarPose<T> pose() const;
-  Matrix3<T> pose_covariance() const;
+  Matrix3<T> pose_covariance() const { return pose_moments(own_pose_error() + G_); }
+  /// Of the pose beside what it shares with all landmarks.
+  Matrix3<T> own_pose_covariance() const { return pose_moments(own_pose_error()); }
   LandmarkVector landmark_position(int slot) const;
   LandmarkMatrix landmark_covariance(int slot) const;
   T error_covariance(int i, int j) const {
@@ -147,6 +149,11 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   }
   /// What is known in the world does not share the world's error: G enters P before it comes.
   void join_world();
+  /// Vehicle and landmarks move together by an offset of `position_variance` per axis, and turn
+  /// about the vehicle by `heading_variance`: no sighting shows it. Cost: O(1).
+  void drift_world(T position_variance, T heading_variance) {
+    widen(G_, position_variance, heading_variance);
+  }
   /// xi = p - R(e) p^ of a point that does not turn with the error of the heading: -J p^ e.
   void rows_in_world(int slot, Rows& rows, T weight) const {
     rows.add(0, kHeadingState, weight * p_[slot][1]);
@@ -161,6 +168,8 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     const int axis = (state - Map::vehicle_states()) % LandmarkDim;
     return axis < 2 ? 1 + axis : -1;
   }
+  Matrix3<T> own_pose_error() const;
+  Matrix3<T> pose_moments(const Matrix3<T>& error) const;
   T heading_variance() const { return P_(0, 0) + W_(0, 0) + G_(0, 0); }
   T deferred_covariance(int i, int j) const;
   T shared_covariance(int i, int j) const {
@@ -169,6 +178,15 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     return a < 0 || b < 0 ? T(0) : G_(a, b);
   }
   void share_pose_error();
+  /// An offset, and a turn about the vehicle, of what `m` is the covariance of.
+  void widen(Matrix3<T>& m, T position_variance, T heading_variance) const {
+    const T g[3] = {T(1), x_[1], -x_[0]};
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) m(i, j) += g[i] * heading_variance * g[j];
+    }
+    m(1, 1) += position_variance;
+    m(2, 2) += position_variance;
+  }
 
   Matrix3<T> W_ = Matrix3<T>::Zero();  ///< odometry noise since the last pass over P
   bool deferred_ = false;              ///< W was added to
@@ -186,26 +204,6 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::start(
     for (int j = 0; j <= i; ++j) P_(i, j) = covariance(from[i], from[j]);
   }
   deferred_noise_absorbed();
-  G_.setZero();
-}
-
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::share_pose_error() {
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) G_(i, j) += P_(i, j);
-  }
-  // The tilt is the vehicle's own: it stays, and what it shares with the pose is forgotten.
-  for (int i = 0; i < P_.size(); ++i) {
-    const int first_kept = i < 3 ? i + 1 : 3;
-    for (int j = 0; j < first_kept; ++j) P_(i, j) = T(0);
-  }
-}
-
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::join_world() {
-  for (int i = 0; i < P_.size(); ++i) {
-    for (int j = 0; j <= i; ++j) P_(i, j) += shared_covariance(i, j);
-  }
   G_.setZero();
 }
 
@@ -242,12 +240,7 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::propagate(
 template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
 void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::widen_pose(T position_variance,
                                                                            T heading_variance) {
-  const T g[3] = {T(1), x_[1], -x_[0]};
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) W_(i, j) += g[i] * heading_variance * g[j];
-  }
-  W_(1, 1) += position_variance;
-  W_(2, 2) += position_variance;
+  widen(W_, position_variance, heading_variance);
   deferred_ = true;
 }
 

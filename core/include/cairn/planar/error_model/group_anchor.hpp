@@ -2,9 +2,29 @@
 
 #include "cairn/planar/error_model/group.hpp"
 
-// GroupErrorModel: the centre about which its error turns.
+// GroupErrorModel: what all its states share, and the centre about which its error turns.
 
 namespace cairn {
+
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::share_pose_error() {
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) G_(i, j) += P_(i, j);
+  }
+  // The tilt is the vehicle's own: it stays, and what it shares with the pose is forgotten.
+  for (int i = 0; i < P_.size(); ++i) {
+    const int first_kept = i < 3 ? i + 1 : 3;
+    for (int j = 0; j < first_kept; ++j) P_(i, j) = T(0);
+  }
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::join_world() {
+  for (int i = 0; i < P_.size(); ++i) {
+    for (int j = 0; j <= i; ++j) P_(i, j) += shared_covariance(i, j);
+  }
+  G_.setZero();
+}
 
 template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
 void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::move_anchor() {

@@ -40,14 +40,24 @@ PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose() 
 }
 
 template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose_covariance() const {
-  const T c[2] = {P_(1, 0) + W_(1, 0) + G_(1, 0), P_(2, 0) + W_(2, 0) + G_(2, 0)};
-  const T xi[3] = {P_(1, 1) + W_(1, 1) + G_(1, 1), P_(2, 1) + W_(2, 1) + G_(2, 1),
-                   P_(2, 2) + W_(2, 2) + G_(2, 2)};
-  const auto m = detail::turned_point_moments(heading_variance(), x_, c, xi);
+Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::own_pose_error() const {
+  Matrix3<T> error;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) error(i, j) = P_(i, j) + W_(i, j);
+  }
+  return error;
+}
+
+/// Covariance over (x, y, heading) of an `error` over (heading, xi_x).
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose_moments(
+    const Matrix3<T>& error) const {
+  const T c[2] = {error(1, 0), error(2, 0)};
+  const T xi[3] = {error(1, 1), error(2, 1), error(2, 2)};
+  const auto m = detail::turned_point_moments(error(0, 0), x_, c, xi);
   Matrix3<T> out;
   out << m.cov[0], m.cov[1], m.with_heading[0], m.cov[1], m.cov[2], m.with_heading[1],
-      m.with_heading[0], m.with_heading[1], heading_variance();
+      m.with_heading[0], m.with_heading[1], error(0, 0);
   return out;
 }
 

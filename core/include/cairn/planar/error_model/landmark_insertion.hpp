@@ -138,6 +138,28 @@ void append_of_world(Model& model, const typename Model::LandmarkVector& p_world
   append_landmark(model, rows, covariance);
 }
 
+/// A landmark that moves with the vehicle's error, or with that of the landmark `reference` (-1:
+/// none) as the vehicle's heading turns it, plus an independent part in the world's axes.
+template <class Model>
+void append_beside_vehicle(Model& model, const typename Model::LandmarkVector& p_world,
+                           const typename Model::LandmarkMatrix& covariance, int reference) {
+  using T = typename Model::Scalar;
+  model.place_in_world(p_world);
+  ErrorRowsOf<Model> rows;
+  model.rows_beside_vehicle(model.landmark_count(), rows);
+  if (reference >= 0) {
+    ErrorRowsOf<Model> there;
+    model.rows_beside_vehicle(reference, there);
+    for (int i = 0; i < Model::kLandmarkDim; ++i) {
+      for (int k = 0; k < there.count[i]; ++k) {
+        rows.add(i, there.index[i][k], -there.weight[i][k]);
+      }
+      rows.add(i, model.state_of(reference) + i, T(1));
+    }
+  }
+  append_landmark(model, rows, covariance);
+}
+
 /// Place of a point in the frame held by the landmarks `origin` and `ahead`: p = origin + lambda
 /// (ahead - origin) in complex numbers of the plane. False when both are in one place.
 template <class Model>
