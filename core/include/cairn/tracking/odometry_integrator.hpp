@@ -72,7 +72,7 @@ class OdometryIntegrator {
   /// in it.
   PlanarPose<float> path() const;
   /// Whether a sample has come at all: until then the vehicle's rest is only assumed.
-  bool begun() const { return has_motion_; }
+  bool begun() const { return motion_.has_sample(); }
   /// Whether the motion at the pose's time follows from samples.
   bool known() const {
     return motion_.has_sample() && time_us_ - motion_.held().t_us <= motion_.max_step_us();
