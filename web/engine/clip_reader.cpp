@@ -37,12 +37,13 @@ Status ClipReader::open(const std::uint8_t* clip, std::size_t size, cairn::Input
   at_ = kLogMagicBytes;
   Record record;
   if (!read_record(record) || !is(LogRecord::kHeader, record.type)) return Status::kCorrupt;
-  const bool has_lens = record.size == kLogHeaderBytes + kLogLensBytes;
-  if (record.size != kLogHeaderBytes && !has_lens) return Status::kCorrupt;
+  LogHeaderParts parts;
+  parts.has_lens = record.size == kLogHeaderBytes + kLogLensBytes;
+  if (record.size != kLogHeaderBytes && !parts.has_lens) return Status::kCorrupt;
   std::uint8_t bytes[kLogHeaderBytes];
   copy(record.payload, bytes);
-  const Status status =
-      decode_header(bytes, has_lens ? record.payload + kLogHeaderBytes : nullptr, nullptr, header);
+  if (parts.has_lens) copy(record.payload + kLogHeaderBytes, parts.lens);
+  const Status status = decode_header(bytes, parts, header);
   if (!ok(status)) return status;
   width_ = header.camera.width;
   height_ = header.camera.height;

@@ -228,6 +228,7 @@ class WindowTracker {
   bool wants_keyframe(const ViewChange& change) const;
   bool make_keyframe(FrameContext& frame, bool moved);
   void observe_features();
+  void note_pose();
   void amend_keyframe(const RollingShutter& shutter);
   void improve_window(FrameContext& frame);
   void note_weak(FrameContext& frame);
@@ -266,7 +267,9 @@ class WindowTracker {
   Matrix<float, 6, 6> covariance_ = Matrix<float, 6, 6>::Zero();
   Matrix3<float> attitude_[WindowBounds::kPoses];          ///< of keyframes, in world axes
   Matrix3<float> lost_attitude_ = Matrix3<float>::Zero();  ///< when tracking was lost
-  float step_s_ = 0.0F;                                    ///< since the frame before; 0 over a gap
+  float pose_age_s_ = 0.0F;  ///< of T_camera_world_, at the frame's time
+  float unseen_s_ = 0.0F;    ///< since the landmarks last showed a pose
+  bool gap_ = false;         ///< since then nothing is known of the movement for a while
   float blind_s_ = 0.0F;
   float blind_variance_ = 0.0F;  ///< of the turn while a gyroscope told it, rad^2
   float typical_inverse_depth_ = 0.0F;

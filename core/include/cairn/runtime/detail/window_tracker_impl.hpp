@@ -34,6 +34,7 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   next_id_ = 1;
   state_ = TrackingState::kInitialising;
   T_camera_world_ = Rigid<float>();
+  note_pose();
   frame_covariance_.setZero();
   covariance_.setZero();
   for (Matrix3<float>& attitude : attitude_) attitude.setZero();
@@ -87,7 +88,9 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
 
 template <class Config>
 Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, StageTimer& timer) {
-  step_s_ = step.gap ? 0.0F : step.seconds();
+  pose_age_s_ += step.seconds();
+  unseen_s_ += step.seconds();
+  gap_ = gap_ || step.gap;
   const Rigid<float> predicted = predict(frame, step);
   if (shutter_.used()) frame.work.spend(work::rolling_shutter(features_.size()));
   timer.end(Stage::kPosePrediction);
@@ -114,7 +117,10 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
     if (found < parameters_.min_inliers) ++health_.low_texture_frames;
     drop_missed(frame, predicted);
     gyro_.note_weak();
-    if (gyro_.predicts()) T_camera_world_ = predicted;
+    if (gyro_.predicts()) {
+      T_camera_world_ = predicted;
+      pose_age_s_ = 0.0F;
+    }
     note_weak(frame);
     if (state_ != TrackingState::kLost && gyro_.sure()) bridge(frame);
     if (state_ == TrackingState::kLost) status = Status::kLost;
@@ -174,6 +180,13 @@ int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& pre
   return inliers;
 }
 
+/// T_camera_world_ is that of the present frame.
+template <class Config>
+void WindowTracker<Config>::note_pose() {
+  pose_age_s_ = unseen_s_ = 0.0F;
+  gap_ = false;
+}
+
 template <class Config>
 void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose,
                                    const FrameStep& step) {
@@ -193,8 +206,9 @@ void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose
   expose(pose);
   if (shutter_.used() && since_keyframe_ == 1) amend_keyframe(shutter_before_.with_next(shutter_));
   shutter_before_ = shutter_;
-  motion_.note(T_camera_world_, pose, static_cast<float>(step.us) * 1e-6F);
+  motion_.note(T_camera_world_, pose, gap_ ? 0.0F : pose_age_s_);
   T_camera_world_ = pose;
+  note_pose();
   weak_frames_ = 0;
   blind_s_ = blind_variance_ = 0.0F;
 }

@@ -125,6 +125,7 @@ bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   features_.clear();
   motion_.forget();
   shutter_.forget_motion();
+  note_pose();
   weak_frames_ = 0;
   static_cast<void>(make_keyframe(frame, true));
   if (features_.size() >= parameters_.min_inliers) {

@@ -56,6 +56,7 @@ void WindowTracker<Config>::seek_map(FrameContext& frame, const FrameStep& step,
 template <class Config>
 void WindowTracker<Config>::return_to_map(FrameContext& frame) {
   T_camera_world_ = memory_.place().T_map_camera.inverse();
+  note_pose();
   window_.clear(parameters_.window.first_inverse_depth);
   follow_focal();
   features_.clear();

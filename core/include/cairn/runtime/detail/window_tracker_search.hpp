@@ -95,9 +95,9 @@ template <class Config>
 WindowPoseOptions<float> WindowTracker<Config>::pose_options(const Rigid<float>& predicted) const {
   WindowPoseOptions<float> options;
   options.sigma = parameters_.window.sigma / window_.focal_scale();
-  const float centre_sigma = parameters_.velocity_change_sigma * step_s_ /
+  const float centre_sigma = parameters_.velocity_change_sigma * unseen_s_ /
                              (expected_inverse_depth() * parameters_.covariance_factor);
-  if (centre_sigma > 0.0F) {
+  if (centre_sigma > 0.0F && !gap_) {
     options.centre = predicted.inverse().translation;
     options.centre_information = 1.0F / square(centre_sigma);
   }
@@ -113,9 +113,9 @@ WindowPoseOptions<float> WindowTracker<Config>::pose_options(const Rigid<float>&
 template <class Config>
 void WindowTracker<Config>::expose(const Rigid<float>& pose) {
   if (!shutter_.used()) return;
-  if (!(step_s_ > 0.0F)) return shutter_.forget_motion();
+  if (gap_ || !(pose_age_s_ > 0.0F)) return shutter_.forget_motion();
   WindowMotion motion;
-  motion.note(T_camera_world_, pose, step_s_);
+  motion.note(T_camera_world_, pose, pose_age_s_);
   const Vector3<float> rate = gyro_.sure() ? gyro_.turn().rate_after : motion.rate_radps();
   shutter_.set_motion(-rate, motion.velocity());
 }
