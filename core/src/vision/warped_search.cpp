@@ -54,10 +54,10 @@ struct Thinned {
   }
 };
 
-/// The place of a square of pixels, `places` in either axis, where they correlate most. False where
-/// nothing correlates.
-bool best_place(const std::uint8_t* pixels, int places, const Thinned& reference, int& x, int& y) {
-  const int side = places + Thinned::kSide - 1;
+/// The place of a square of pixels of `side` where they correlate most. False where nothing
+/// correlates.
+bool best_place(const std::uint8_t* pixels, int side, const Thinned& reference, int& x, int& y) {
+  const int places = side - Thinned::kSide + 1;
   float best = 0.0F;
   for (int row = 0; row < places; ++row) {
     for (int column = 0; column < places; ++column) {
@@ -134,13 +134,14 @@ Status find_warped_template_widely(const ImageView& image, const SmallTemplate& 
   constexpr int kFineRadius = 2;
   if (!is_moderate(warp) || image.width < 2 || image.height < 2) return Status::kNotFound;
   radius += radius & 1;
+  const int wide = radius + Thinned::kSide;
+  if (wide <= Thinned::kSide || wide > kMaxThinned) return Status::kNotFound;
   int x = 0;
   int y = 0;
   {
     std::uint8_t pixels[kMaxThinned * kMaxThinned];
-    const int side = radius + Thinned::kSide;
-    resample(image, warp, x_q8, y_q8, -radius - SmallTemplate::kHalf, 2, side, pixels);
-    if (!best_place(pixels, radius + 1, Thinned(reference), x, y)) return Status::kNotFound;
+    resample(image, warp, x_q8, y_q8, -radius - SmallTemplate::kHalf, 2, wide, pixels);
+    if (!best_place(pixels, wide, Thinned(reference), x, y)) return Status::kNotFound;
   }
   const int u = 2 * x - radius;
   const int v = 2 * y - radius;
