@@ -135,6 +135,15 @@ class Pages(unittest.TestCase):
         self.assertEqual(timing_page.read_gate(self.root / "docs/reference/timing.md"),
                          {("cortex-m7", "vehicle", "hall"): 5})
 
+    def test_timing_keeps_the_gates_rows_of_images_that_it_did_not_time(self):
+        timing_page.write(self.root, {"cortex-m7": result("a", timing=timing(5))})
+        page = self.root / "docs/reference/timing.md"
+        timing_page.replace_gate(page, [("cortex-m7", "vehicle", "hall", 5),
+                                        ("cortex-m7", "window", "lost-window", 9)])
+        timing_page.write(self.root, {"cortex-m7": result("b", timing=timing(6))})
+        self.assertEqual(timing_page.read_gate(page), {("cortex-m7", "vehicle", "hall"): 6,
+                                                       ("cortex-m7", "window", "lost-window"): 9})
+
     def test_targets_say_which_inputs_differ(self):
         def replayed(**equal):
             return {"ram_bytes": {}, "frames": 60 * len(equal),

@@ -41,7 +41,9 @@ Written by `scripts/firmware.sh`. For each target: the port's self-test, one has
 over the picture with the virtual objects drawn into it. All are compared with the host's, `g++ -O3`: a replay
 program's column gives the number of equal frames of its [inputs](#inputs), and the inputs that differ. `tiny`,
 `large`: [configurations](footprint.md). `measured at` is the commit that was compared, `unit tests` those of
-`scripts/firmware.sh --all`: test programs, gates and faults, with their own commit where it is another.
+`scripts/firmware.sh --all`: test programs, gates and faults, with their own commit where it is another. The image
+`window`, the default of hand-held mode, is compared by CI alone: its tiny configuration on a Cortex-M7 by GCC, its
+default one by the [frame gate](timing.md#gate).
 
 """
 INPUTS = """

@@ -18,7 +18,9 @@ case ([what they are](command-line.md#stress-scenes)).
   issue, latencies; each block drained at its end). Caches, flash wait states, bus contention and
   mispredicted branches are not in the model: expect 30 to 50 % either way on silicon. Not calibrated on
   a board.
-- measured at: the commit. Runs without `--timing` leave these tables as they were; runs with it leave the rows
+- The image `window`, the default of hand-held mode, is in the gate's table alone.
+- measured at: the commit, of the tables *Frames*, *Stages* and *Never run* too; the gate's rows are as new as the
+  code, to 2 %. Runs without `--timing` leave these tables as they were; runs with it leave the rows
   of boards that the build folder has not timed.
 
 The paper's desktop PC takes 41.57 ms a frame; that is 19.95 M cycles at 480 MHz and 24.94 M at 600 MHz.
@@ -34,7 +36,8 @@ instructions than this table says. Renew it with `tests/timing/timing_gate.py --
 # What CI replays: whole frames of the default configuration; few, so that it stays short.
 GATE_TARGET = "cortex-m7"
 GATE_INPUTS = {"hall", "hall-handheld", "seven-scenes", "map-in-view-vehicle", "lost-full-library-vehicle",
-               "crowded-full-library-vehicle", "evolved-vehicle", "noise-handheld", "scene-cut-handheld"}
+               "crowded-full-library-vehicle", "evolved-vehicle", "noise-handheld", "scene-cut-handheld",
+               "seven-scenes-window", "map-in-view-window", "no-consensus-window", "lost-window"}
 STAGES = [stage for stage in frame_timing.STAGES if stage != "frame"]
 BEGIN, END = "<!-- gate -->", "<!-- end of gate -->"
 
@@ -161,8 +164,13 @@ def replace_gate(page, rows):
 
 def write(root, results):
     """`results` of the targets that were timed, as frame_timing.measure left them."""
-    gate = [(target, image, name, timing["instructions"]["frame"]["worst"])
-            for target, image, name, timing in timings_of(results)
-            if target == GATE_TARGET and name in GATE_INPUTS and not image.endswith("_large")]
+    page = root / "docs/reference/timing.md"
+    # Rows of images that were not timed here stay: the gate's own --renew writes them.
+    before = read_gate(page) if page.exists() else {}
+    worst = {key: count for key, count in before.items() if key[2] in GATE_INPUTS}
+    worst.update({(target, image, name): timing["instructions"]["frame"]["worst"]
+                  for target, image, name, timing in timings_of(results)
+                  if target == GATE_TARGET and name in GATE_INPUTS and not image.endswith("_large")})
+    gate = [(*key, count) for key, count in worst.items()]
     parts = [*most_expensive(results), *frames(results), *stages(results), *never_run(results)]
-    renew(root / "docs/reference/timing.md", HEADING + GATE + gate_text(gate) + "\n".join(parts) + "\n", results)
+    renew(page, HEADING + GATE + gate_text(gate) + "\n".join(parts) + "\n", results)
