@@ -30,8 +30,8 @@ struct Frame {
   std::int64_t t_us = 0;  ///< strictly increasing
   cv::Mat grey;           ///< 8 bit, one channel, continuous, of the camera's size
   cv::Mat colour;         ///< the same in BGR, to draw into; empty where the source gives none
-  /// Samples since the frame before, t_us of the last one <= the frame's; of the first frame at most
-  /// one, how the vehicle moves as it begins. Empty for handheld sources.
+  /// Samples since the frame before, t_us of the last one <= the frame's; of the first frame at
+  /// most one, how the vehicle moves as it begins. Empty for handheld sources.
   std::vector<OdometrySample> odometry;
   /// A gyroscope's samples since the frame before, as odometry's. Empty where there is none.
   std::vector<AngularRateSample> gyro;
