@@ -220,7 +220,7 @@ class WindowTracker {
                         const RollingShutter& shutter, const Rigid<float>& pose) const;
   int gather(const Rigid<float>& pose);
   int estimate(FrameContext& frame, const Rigid<float>& predicted, Rigid<float>& pose);
-  void accept(FrameContext& frame, const Rigid<float>& pose, const FrameStep& step);
+  void accept(FrameContext& frame, const Rigid<float>& pose);
   void remove(FrameContext& frame, int i);
   void drop_missed(FrameContext& frame, const Rigid<float>& pose);
   void keep_keyframes(FrameContext& frame);

@@ -108,7 +108,7 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
   if (holds) {
     frame.report.inliers = inliers_;
     compare_gyro(predicted, pose);
-    accept(frame, pose, step);
+    accept(frame, pose);
     drop_missed(frame, pose);
     if (!takes_points_) keep_keyframes(frame);
     state_ = depths_hold() && !astray_ ? TrackingState::kTracking : TrackingState::kUncertain;
@@ -188,8 +188,7 @@ void WindowTracker<Config>::note_pose() {
 }
 
 template <class Config>
-void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose,
-                                   const FrameStep& step) {
+void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose) {
   const int found = features_.found();
   for (int k = 0; k < found; ++k) {
     WindowFeature& feature = features_[sighted_[k]];
