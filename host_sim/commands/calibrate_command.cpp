@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr int kMostSearched = 240;  // slots of a video
 constexpr int kPrintedSquare_px = 120;
+constexpr std::size_t kLeastBoards = 4;  // of a calibration
 
 struct CalibrateOptions {
   fs::path media;
@@ -113,6 +114,25 @@ void print_calibration(const Calibration& calibration, const Coverage& coverage)
   fmt::print("\n");
 }
 
+/// Where nearly all pictures are without the board, it is another one.
+void refuse_few(const Search& found, const CalibrateOptions& options) {
+  if (found.found.size() >= kLeastBoards) return;
+  const std::string count = found.found.empty() ? "none" : fmt::format("{}", found.found.size());
+  const std::string hint =
+      options.board.charuco
+          ? fmt::format(
+                "Are its markers of --dictionary {}, and as large as --marker-ratio {} "
+                "says? Squares are counted, black and white, across and down",
+                options.board.dictionary, options.board.marker_ratio)
+          : "Squares are counted, not the corners between them; all of a chessboard must be seen, "
+            "with a white border";
+  throw InputError(
+      options.media,
+      fmt::format("expected a {} of {} squares, found {} in {} pictures, of {} or more "
+                  "that are needed. {}",
+                  options.board_kind, options.squares, count, found.searched, kLeastBoards, hint));
+}
+
 ExitCode run_calibration(const CalibrateOptions& options, const std::string& command_line) {
   const BoardDetector detector(options.board);
   if (!options.board_picture.empty()) {
@@ -124,13 +144,7 @@ ExitCode run_calibration(const CalibrateOptions& options, const std::string& com
   refuse_existing(options.out, options.force);
   const Search found = search(options, detector);
   fmt::print("boards in {} of {} pictures\n", found.found.size(), found.searched);
-  if (found.found.empty()) {
-    throw InputError(options.media,
-                     fmt::format("expected a {} of {} squares, found none in {} pictures. Squares "
-                                 "are counted, not the corners between them; all of a chessboard "
-                                 "must be seen, with a white border",
-                                 options.board_kind, options.squares, found.searched));
-  }
+  refuse_few(found, options);
   std::vector<BoardView> views;
   for (const std::size_t i :
        choose_views(found.found, found.size, static_cast<std::size_t>(options.views))) {

@@ -104,12 +104,12 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
   command
       .add_option("--heading-variance", options.heading_variance,
                   "Variance of the start heading, rad^2")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(between(0.0, 10.0))
       ->required();
   command
       .add_option("--position-variance", options.position_variance,
                   "Variance of each start coordinate, m^2")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(between(0.0, 100.0))
       ->capture_default_str();
   command
       .add_option("--odometry-noise", options.odometry_noise,
@@ -119,7 +119,7 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
   command
       .add_option("--steering-noise", options.steering_noise_deg,
                   "Standard deviation of the steering angle, deg, in place of the set's")
-      ->check(CLI::Range(0.0, 45.0));
+      ->check(between(0.0, 45.0));
   const std::map<std::string, NoisePoint> points = {{"reading", NoisePoint::kReading},
                                                     {"steady", NoisePoint::kSteady},
                                                     {"truth", NoisePoint::kTruth}};
@@ -130,7 +130,7 @@ void add_options(CLI::App& command, ConsistencyOptions& options) {
   command
       .add_option("--steady-s", options.steady_s,
                   "Low pass of the readings for --noise-at steady, s")
-      ->check(CLI::Range(0.0, 60.0))
+      ->check(between(0.0, 60.0))
       ->capture_default_str();
   command
       .add_option("--filters", options.filters,

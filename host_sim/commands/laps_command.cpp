@@ -1,6 +1,5 @@
 #include "host_sim/commands/laps_command.hpp"
 
-#include <csignal>
 #include <cstdio>
 #include <memory>
 
@@ -131,7 +130,7 @@ ExitCode run(const LapsArguments& arguments, const std::string& command_line) {
   }
   if (interrupted() != 0) {
     if (arguments.shard.whole()) static_cast<void>(write_laps(part, conclusion));
-    return interrupted() == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated;
+    return interrupted_by(interrupted());
   }
   return conclude_or_leave(part, conclusion, conclude_laps);
 }

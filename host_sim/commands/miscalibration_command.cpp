@@ -1,7 +1,6 @@
 #include "host_sim/commands/miscalibration_command.hpp"
 
 #include <algorithm>
-#include <csignal>
 #include <cstdio>
 #include <memory>
 
@@ -157,7 +156,7 @@ ExitCode run(const MiscalibrationArguments& arguments) {
     if (code != ExitCode::kOk) return code;
   }
   if (interrupted() != 0) {
-    return interrupted() == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated;
+    return interrupted_by(interrupted());
   }
   return conclude_or_leave(part, {options.out, options.command_line}, conclude_miscalibration);
 }

@@ -41,6 +41,17 @@ CLI::Validator not_negative() {
       "AT LEAST 0");
 }
 
+CLI::Validator between(double low, double high) {
+  return CLI::Validator(
+      [low, high](const std::string& text) {
+        double value = 0.0;
+        const bool good = number_problem(text, value).empty() && value >= low && value <= high;
+        return good ? std::string()
+                    : fmt::format("expected a number from {} to {}, found '{}'", low, high, text);
+      },
+      fmt::format("{} to {}", low, high));
+}
+
 CLI::Validator seed_number() {
   return CLI::Validator(
       [](const std::string& text) {

@@ -30,16 +30,18 @@ void add_handheld_options(CLI::App& command, HandheldOptions& options) {
   command
       .add_option("--focal-error", options.focal_error,
                   "Handheld: make the tracker's focal length wrong by this share")
-      ->check(CLI::Range(-0.3, 0.3));
+      ->check(between(-0.3, 0.3));
   command.add_flag("--estimate-focal-length", options.estimate_focal_length,
                    "Handheld: the focal length is a state of the filter");
   command
       .add_option("--focal-sigma", options.focal_sigma,
                   "Handheld: how well the focal length is known, as a share; 0: exactly")
-      ->check(CLI::Range(0.0, 0.5));
-  command.add_option("--row-time", options.row_time_s,
-                     "Handheld: seconds from one row of the picture to the next (a rolling "
-                     "shutter's); 0: all at once");
+      ->check(between(0.0, 0.5));
+  command
+      .add_option("--row-time", options.row_time_s,
+                  "Handheld: seconds from one row of the picture to the next (a rolling "
+                  "shutter's); 0: all at once")
+      ->check(between(-0.1, 0.1));
 }
 
 void add_options(CLI::App& command, RunOptions& options) {
@@ -73,7 +75,7 @@ void add_options(CLI::App& command, RunOptions& options) {
   command
       .add_option("--readout", options.hand_readout_ms,
                   "The built-in hand-held camera reads a picture out in so many ms")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(between(0.0, 100.0));
   command.add_option("--odometry-noise", options.odometry_noise, "Noise of the hall's odometry")
       ->check(CLI::IsMember({"s1", "base"}))
       ->capture_default_str();
@@ -84,7 +86,7 @@ void add_options(CLI::App& command, RunOptions& options) {
   command
       .add_option("--tilt-sigma", options.tilt_sigma_rad,
                   "Vehicle: standard deviation of pitch and roll, rad; 0: none")
-      ->check(CLI::Range(0.0, 0.3));
+      ->check(between(0.0, 0.3));
   command
       .add_option("--tilt-time-constant", options.tilt_time_constant_s,
                   "Vehicle: time in which pitch and roll return to 1/e, s")
@@ -92,7 +94,7 @@ void add_options(CLI::App& command, RunOptions& options) {
   command
       .add_option("--uneven-floor", options.hall_tilt_rad,
                   "The hall's vehicle pitches and rolls by so much, rad rms")
-      ->check(CLI::Range(0.0, 0.1));
+      ->check(between(0.0, 0.1));
   command
       .add_option("--start-heading-variance", options.start_heading_variance,
                   "Variance of the start heading, rad^2; the start error is drawn from it")

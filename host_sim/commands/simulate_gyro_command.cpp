@@ -19,6 +19,7 @@ struct SimulateArguments {
   std::filesystem::path truth;
   std::filesystem::path out;
   std::vector<double> rotation = {1.0, 0.0, 0.0, 0.0};
+  bool force = false;
   GyroSimulation settings;
 };
 
@@ -30,9 +31,21 @@ void simulate(const SimulateArguments& arguments) {
     throw UsageError("--rotation: expected a unit quaternion W,X,Y,Z");
   }
   settings.R_camera_gyro.normalize();
+  std::error_code ignored;
+  if (std::filesystem::equivalent(arguments.truth, arguments.out, ignored)) {
+    throw UsageError("--out: expected another file than TRUTH");
+  }
+  if (!arguments.force && std::filesystem::is_regular_file(arguments.out)) {
+    throw UsageError(
+        fmt::format("--out {}: is there already; --force replaces it", arguments.out.string()));
+  }
   const std::vector<TimedPose> truth = read_tum(arguments.truth);
   if (truth.size() < 2) throw InputError(arguments.truth, "expected two poses or more");
   const std::vector<AngularRateSample> samples = simulate_gyro(truth, settings);
+  if (samples.empty()) {
+    throw InputError(arguments.truth,
+                     "expected poses that follow one another in at most 0.2 s, found none");
+  }
   OutputFile out(arguments.out);
   out.print("t_us,wx_radps,wy_radps,wz_radps\n");
   for (const AngularRateSample& sample : samples) {
@@ -47,22 +60,23 @@ void add_options(CLI::App& command, SimulateArguments& arguments) {
   GyroSimulation& settings = arguments.settings;
   command.add_option("TRUTH", arguments.truth, "True poses of the camera (TUM)")->required();
   command.add_option("--out", arguments.out, "File for the samples (CSV)")->required();
+  command.add_flag("--force", arguments.force, "Replace a file that is there");
   command.add_option("--rate", settings.rate_hz, "Samples a second")
-      ->check(CLI::Range(10.0, 10000.0))
+      ->check(between(10.0, 10000.0))
       ->capture_default_str();
   command.add_option("--noise", settings.noise_density, "Noise density, rad/s/sqrt(Hz)")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0.0, 1.0))
       ->capture_default_str();
   command
       .add_option("--bias", settings.bias_sigma_radps,
                   "Standard deviation of each axis' bias at the start, rad/s")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(between(0.0, 10.0))
       ->capture_default_str();
   command.add_option("--bias-walk", settings.bias_walk, "How the bias walks, rad/s/sqrt(s)")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(between(0.0, 10.0))
       ->capture_default_str();
   command.add_option("--delay", settings.delay_s, "Stamps are late by this, s")
-      ->check(CLI::Range(-1.0, 1.0))
+      ->check(between(-1.0, 1.0))
       ->capture_default_str();
   command.add_option("--range", settings.range_radps, "Readings stop at this, rad/s")
       ->check(above_zero())

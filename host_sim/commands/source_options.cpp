@@ -14,7 +14,7 @@ void add_picture_options(CLI::App& command, RunOptions& options) {
   command
       .add_option("--scale", options.scale,
                   "Scale pictures and calibration by this factor; by default as far as needed")
-      ->check(CLI::Range(0.01, 1.0));
+      ->check(between(0.01, 1.0));
   command.add_option("--crop", options.crop,
                      "Use a part of the pictures, WIDTHxHEIGHT[+LEFT+TOP]; by default its middle");
   command.add_option("--camera", options.camera, "Camera file of a video source");
@@ -22,7 +22,7 @@ void add_picture_options(CLI::App& command, RunOptions& options) {
       .add_option(
           "--hfov", options.hfov_deg,
           "Guess in place of a camera file: the picture's horizontal field of view, degrees")
-      ->check(CLI::Range(10.0, 150.0));
+      ->check(between(10.0, 150.0));
   command.add_option("--times", options.times, "Frame times of a video source (CSV)");
   command.add_option("--truth", options.truth, "True camera poses of a video source (TUM)");
 }
@@ -40,18 +40,18 @@ void add_gyro_options(CLI::App& command, RunOptions& options) {
       ->delimiter(',')
       ->expected(4);
   command.add_option("--gyro-noise", options.gyro_noise, "Its noise density, rad/s/sqrt(Hz)")
-      ->check(CLI::Range(1e-6, 1.0));
+      ->check(between(1e-6, 1.0));
   command
       .add_option("--gyro-bias", options.gyro_bias_sigma,
                   "Standard deviation of its bias at the start, rad/s")
-      ->check(CLI::Range(0.0, 10.0));
+      ->check(between(0.0, 10.0));
   command
       .add_option("--gyro-bias-walk", options.gyro_bias_walk, "How its bias walks, rad/s/sqrt(s)")
-      ->check(CLI::Range(0.0, 10.0));
+      ->check(between(0.0, 10.0));
   command
       .add_option("--gyro-time-sigma", options.gyro_time_sigma,
                   "Standard deviation of its time stamps' offset from the frames', s")
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(between(0.0, 1.0));
 }
 
 void add_odometry_options(CLI::App& command, RunOptions& options) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <utility>
@@ -247,7 +246,7 @@ ExitCode use_source(FrameSource& source, const RunOptions& options) {
 ExitCode interrupted_code(const RunRecord& record) {
   fmt::print(stderr, "cairn_sim: interrupted after {} frames; the results are those of these\n",
              record.frames.size());
-  return record.interrupted_by == SIGINT ? ExitCode::kInterrupted : ExitCode::kTerminated;
+  return interrupted_by(record.interrupted_by);
 }
 
 ExitCode run_source(std::unique_ptr<FrameSource> opened, const RunOptions& options) {

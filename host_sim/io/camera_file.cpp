@@ -46,27 +46,11 @@ const CameraFormat& format_of(const CameraSection& root) {
   return *found;
 }
 
-std::optional<Rigid<double>> read_pose(const CameraSection& section, const std::string& key) {
-  if (!section.has(key)) return std::nullopt;
-  const std::vector<double> m = section.matrix(key, 4, 4, "a pose matrix, row by row");
-  Matrix3<double> matrix;
-  matrix << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
-  Rigid<double> pose;
-  if (!to_rotation(matrix, pose.rotation)) {
-    section.fail(key, "expected a rotation in the left 3x3 block");
-  }
-  if (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0) {
-    section.fail(key, "expected 0 0 0 1 in the last row");
-  }
-  pose.translation = {m[3], m[7], m[11]};
-  return pose;
-}
-
 std::optional<Rigid<double>> read_body_mounting(const CameraSection& root) {
   const CameraSection camera = root.has("cam0") ? root.child("cam0") : root;
   const std::string key = camera.one_of({"T_BS", "T_cam_imu", "T_imu_cam"});
   if (key.empty()) return std::nullopt;
-  const std::optional<Rigid<double>> pose = read_pose(camera, key);
+  const std::optional<Rigid<double>> pose = camera.find_pose(key);
   return key == "T_cam_imu" ? pose->inverse() : *pose;
 }
 
@@ -236,7 +220,7 @@ CameraFile read_camera_file(const fs::path& path, LensCheck lens) {
     const CameraFormat& format = format_of(root);
     file.format = format.name;
     file.camera = format.read(root);
-    file.T_vehicle_camera = read_pose(root, "T_vehicle_camera");
+    file.T_vehicle_camera = root.find_pose("T_vehicle_camera");
     file.T_body_camera = read_body_mounting(root);
     file.tilt = read_suspension(root);
     file.focal_sigma = read_focal_sigma(root);

@@ -13,6 +13,18 @@ std::string reason(int error) {
   return "cannot be written: " + std::generic_category().message(error);
 }
 
+/// A device, pipe or socket: there is no putting a file in its place.
+bool is_special(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  return exists(status) && !is_regular_file(status) && !is_directory(status);
+}
+
+/// Empty: there is none.
+void remove_part(const std::filesystem::path& part) {
+  if (!part.empty()) unlink(part.c_str());
+}
+
 }  // namespace
 
 OutputError::OutputError(const std::filesystem::path& file, const std::string& problem)
@@ -24,15 +36,18 @@ std::filesystem::path part_of(const std::filesystem::path& path) {
   return part;
 }
 
-OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), part_(part_of(path_)) {
-  descriptor_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+OutputFile::OutputFile(std::filesystem::path path)
+    : path_(std::move(path)), part_(is_special(path_) ? std::filesystem::path() : part_of(path_)) {
+  const std::filesystem::path& written = part_.empty() ? path_ : part_;
+  const int flags = part_.empty() ? O_WRONLY : O_WRONLY | O_CREAT | O_TRUNC;
+  descriptor_ = open(written.c_str(), flags | O_CLOEXEC, 0666);
   if (descriptor_ < 0) throw OutputError(path_, reason(errno));
 }
 
 OutputFile::~OutputFile() {
   if (descriptor_ < 0) return;
   close(descriptor_);
-  unlink(part_.c_str());
+  remove_part(part_);
 }
 
 void OutputFile::write(std::string_view bytes) {
@@ -55,9 +70,11 @@ void OutputFile::finish() {
   flush();
   if (fsync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail();
   const int closing = std::exchange(descriptor_, -1);
-  if (close(closing) != 0 || std::rename(part_.c_str(), path_.c_str()) != 0) {
+  const bool named =
+      close(closing) == 0 && (part_.empty() || std::rename(part_.c_str(), path_.c_str()) == 0);
+  if (!named) {
     const int error = errno;
-    unlink(part_.c_str());
+    remove_part(part_);
     throw OutputError(path_, reason(error));
   }
 }
@@ -65,7 +82,7 @@ void OutputFile::finish() {
 void OutputFile::fail() {
   const int error = errno;
   close(std::exchange(descriptor_, -1));
-  unlink(part_.c_str());
+  remove_part(part_);
   throw OutputError(path_, reason(error));
 }
 

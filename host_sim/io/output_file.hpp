@@ -25,7 +25,7 @@ std::filesystem::path part_of(const std::filesystem::path& path);
 /// its name in finish(), in place of an older file. Without finish() nothing is left.
 class OutputFile {
  public:
-  /// Throws OutputError, as every function here.
+  /// Throws OutputError, as every function here. A device or a pipe is written to as it is.
   explicit OutputFile(std::filesystem::path path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;

@@ -17,6 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array<const char*, 6> kRead = {".png", ".jpg", ".jpeg", ".pgm", ".ppm", ".bmp"};
+constexpr std::array<const char*, 6> kVideos = {".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v"};
 constexpr std::array<const char*, 10> kNotRead = {".tif",  ".tiff", ".webp", ".heic", ".heif",
                                                   ".avif", ".dng",  ".raw",  ".exr",  ".jp2"};
 constexpr std::int64_t kYear2001_s = 1000000000;
@@ -37,17 +38,21 @@ bool ends_in_one_of(const fs::path& path, const std::array<const char*, N>& endi
 std::vector<fs::path> paths_in(const fs::path& folder) {
   std::vector<fs::path> paths;
   std::optional<fs::path> not_read;
+  std::optional<fs::path> video;
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.path().filename().string().front() == '.') continue;
     if (ends_in_one_of(entry.path(), kRead)) paths.push_back(entry.path());
     if (ends_in_one_of(entry.path(), kNotRead)) not_read = entry.path();
+    if (ends_in_one_of(entry.path(), kVideos)) video = entry.path();
   }
   if (not_read.has_value()) {
     throw InputError(*not_read, "expected pictures as PNG, JPEG, PGM, PPM or BMP: convert it");
   }
   if (paths.empty()) {
     throw InputError(folder,
-                     fmt::format("expected images named NUMBER{}", fmt::join(kRead, " or ")));
+                     fmt::format("expected images named NUMBER{}{}", fmt::join(kRead, " or "),
+                                 video ? "; a video is given by its own name: " + video->string()
+                                       : std::string()));
   }
   std::sort(paths.begin(), paths.end());
   return paths;

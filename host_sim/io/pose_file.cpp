@@ -1,6 +1,7 @@
 #include "host_sim/io/pose_file.hpp"
 
 #include <cmath>
+#include <cstdlib>
 
 #include <Eigen/SVD>
 #include <fmt/format.h>
@@ -118,8 +119,10 @@ void write_tum(const std::filesystem::path& path, const std::vector<TimedPose>& 
   for (const TimedPose& timed : poses) {
     const Vector3<double>& p = timed.pose.translation;
     const Quaternion<double>& q = timed.pose.rotation;
-    file.print("{}.{:06d} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n", timed.t_us / 1000000,
-               timed.t_us % 1000000, p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+    const std::int64_t size_us = std::abs(timed.t_us);
+    file.print("{}{}.{:06d} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\n",
+               timed.t_us < 0 ? "-" : "", size_us / 1000000, size_us % 1000000, p.x(), p.y(), p.z(),
+               q.x(), q.y(), q.z(), q.w());
   }
   file.finish();
 }

@@ -43,6 +43,7 @@ class CroppedSource final : public FrameSource {
   }
 
   const SourceInfo& info() const override { return info_; }
+  std::optional<TimeSpan> span() const override { return source_->span(); }
 
   bool next(Frame& frame) override {
     const bool more = source_->next(frame);

@@ -1,7 +1,11 @@
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/text_file.hpp"
@@ -57,21 +61,53 @@ std::vector<SequenceFrame> read_frames(const fs::path& list) {
   return frames;
 }
 
+using PoseColumns = std::array<std::size_t, kPoseFields>;
+
+/// Where the header (a comment above the rows) says that time, x, y, z, qw, qx, qy and qz stand; in
+/// this order where it names none of them.
+PoseColumns pose_columns(const std::string& header, const fs::path& path, int line) {
+  static constexpr std::array<std::string_view, kPoseFields> kNames = {
+      "timestamp", "p_rs_r_x", "p_rs_r_y", "p_rs_r_z", "q_rs_w", "q_rs_x", "q_rs_y", "q_rs_z"};
+  PoseColumns columns = {0, 1, 2, 3, 4, 5, 6, 7};
+  const std::vector<std::string_view> fields = split_commas(header);
+  std::size_t named = 0;
+  bool in_order = true;
+  for (std::size_t i = 0; i < kPoseFields; ++i) {
+    for (std::size_t at = 0; at < fields.size(); ++at) {
+      std::string name(fields[at].substr(0, fields[at].find_first_of(" [")));
+      for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+      if (name != kNames[i]) continue;
+      ++named;
+      in_order = in_order && at == i;
+      columns[i] = at;
+    }
+  }
+  if (named != kPoseFields && !in_order) {
+    throw InputError(path, line,
+                     fmt::format("expected a header with {}, found another order without all of "
+                                 "them",
+                                 fmt::join(kNames, ", ")));
+  }
+  return columns;
+}
+
 /// Poses of the body.
 std::vector<TimedPose> read_poses(const fs::path& path) {
   std::vector<TimedPose> poses;
   LineReader lines(path);
+  PoseColumns columns{};
   for (TextLine line; lines.next(line);) {
+    if (poses.empty()) columns = pose_columns(lines.comment(), path, line.number);
     const std::vector<std::string_view> fields = split_commas(line.text);
-    if (fields.size() < kPoseFields) {
+    if (fields.size() <= *std::max_element(columns.begin(), columns.end())) {
       throw InputError(path, line.number, "expected: time in ns, x, y, z, qw, qx, qy, qz");
     }
     TimedPose timed;
-    timed.t_us = read_ns(fields[0], path, line.number);
+    timed.t_us = read_ns(fields[columns[0]], path, line.number);
     if (!poses.empty()) check_increasing(poses.back().t_us, timed.t_us, path, line.number);
     double v[kPoseFields] = {};
     for (std::size_t i = 1; i < kPoseFields; ++i) {
-      v[i] = parse_number(fields[i], path, line.number, "a number of a pose");
+      v[i] = parse_number(fields[columns[i]], path, line.number, "a number of a pose");
     }
     timed.pose.translation = {v[1], v[2], v[3]};
     timed.pose.rotation = Quaternion<double>(v[4], v[5], v[6], v[7]);

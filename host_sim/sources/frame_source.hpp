@@ -15,6 +15,8 @@
 #include "cairn/tracking/frame_report.hpp"
 #include "cairn/tracking/rolling_shutter.hpp"
 
+#include "host_sim/sources/time_span.hpp"
+
 namespace cairn::host {
 
 /// A real point seen in a frame: the yardstick of the registration error. Never shown to a tracker.
@@ -85,6 +87,8 @@ class FrameSource {
   virtual const SourceInfo& info() const = 0;
   /// Fills `frame` (its storage is used again) and returns true, or returns false after the last.
   virtual bool next(Frame& frame) = 0;
+  /// First and last time of the frames to come, where they are known before.
+  virtual std::optional<TimeSpan> span() const { return std::nullopt; }
 
  protected:
   FrameSource() = default;

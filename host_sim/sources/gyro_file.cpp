@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/io/camera_formats/camera_section.hpp"
 #include "host_sim/io/config_document.hpp"
 #include "host_sim/io/csv_units.hpp"
 #include "host_sim/io/input_error.hpp"
-#include "host_sim/io/pose_file.hpp"
 
 namespace cairn::host {
 namespace {
@@ -18,16 +18,16 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
 Quantity rate_about(const char* column, const char* axis) {
   const std::string name = axis;
-  return {
-      column,
-      {"w" + name, "gyro_" + name, "omega_" + name, "angular_velocity_" + name, "w_rs_s_" + name},
-      {{"radps", 1.0},
-       {"rad/s", 1.0},
-       {"rad_s^-1", 1.0},
-       {"rad_s-1", 1.0},
-       {"degps", kDegree},
-       {"dps", kDegree},
-       {"deg/s", kDegree}}};
+  return {column,
+          {"w" + name, "gyro_" + name, "gyroscope_" + name, "omega_" + name,
+           "angular_velocity_" + name, "w_rs_s_" + name},
+          {{"radps", 1.0},
+           {"rad/s", 1.0},
+           {"rad_s^-1", 1.0},
+           {"rad_s-1", 1.0},
+           {"degps", kDegree},
+           {"dps", kDegree},
+           {"deg/s", kDegree}}};
 }
 
 /// The columns that the documentation names, in rad/s, else one with a unit in its name.
@@ -55,44 +55,12 @@ class GyroTime {
   TimeColumn time_;
 };
 
-std::optional<double> find_positive(const nlohmann::json& root, const char* key,
-                                    const fs::path& path) {
-  if (!root.contains(key)) return std::nullopt;
-  const nlohmann::json& value = root.at(key);
-  const double number =
-      value.is_string() ? std::strtod(value.get<std::string>().c_str(), nullptr) : std::nan("");
+std::optional<double> find_positive(const CameraSection& section, const char* key) {
+  if (!section.has(key)) return std::nullopt;
+  const char* const kWhat = "a number above 0 and at most 1";
+  const double number = section.number(key, kWhat);
   if (number > 0.0 && number <= 1.0) return number;
-  throw InputError(path, key, "expected a number above 0 and at most 1");
-}
-
-std::optional<Rigid<double>> find_mounting(const nlohmann::json& root, const fs::path& path) {
-  if (!root.contains("T_BS")) return std::nullopt;
-  const nlohmann::json& entry = root.at("T_BS");
-  const nlohmann::json& data =
-      entry.is_object() && entry.contains("data") ? entry.at("data") : entry;
-  std::vector<double> numbers;
-  const auto add = [&](const nlohmann::json& value) {
-    if (value.is_string())
-      numbers.push_back(std::strtod(value.get<std::string>().c_str(), nullptr));
-  };
-  if (data.is_array()) {
-    for (const nlohmann::json& row : data) {
-      if (row.is_array()) {
-        for (const nlohmann::json& value : row) add(value);
-      } else {
-        add(row);
-      }
-    }
-  }
-  if (numbers.size() != 16) throw InputError(path, "T_BS", "expected 16 numbers, row by row");
-  Matrix3<double> rotation;
-  Rigid<double> pose;
-  for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) rotation(r, c) = numbers[static_cast<std::size_t>(4 * r + c)];
-    pose.translation(r) = numbers[static_cast<std::size_t>(4 * r + 3)];
-  }
-  if (!to_rotation(rotation, pose.rotation)) throw InputError(path, "T_BS", "expected a rotation");
-  return pose;
+  section.fail(key, fmt::format("expected {}, found {}", kWhat, number));
 }
 
 }  // namespace
@@ -132,11 +100,12 @@ std::vector<AngularRateSample> read_gyro(const fs::path& path) {
 ImuFile read_imu_file(const fs::path& path) {
   const nlohmann::json document =
       parse_config_document(path, read_config_text(path, "the description of an IMU"));
-  const nlohmann::json& root = document.contains("imu0") ? document.at("imu0") : document;
+  const CameraSection whole(path, document);
+  const CameraSection section = whole.has("imu0") ? whole.child("imu0") : whole;
   ImuFile file;
-  file.noise_density = find_positive(root, "gyroscope_noise_density", path);
-  file.bias_walk = find_positive(root, "gyroscope_random_walk", path);
-  file.T_body_imu = find_mounting(root, path);
+  file.noise_density = find_positive(section, "gyroscope_noise_density");
+  file.bias_walk = find_positive(section, "gyroscope_random_walk");
+  file.T_body_imu = section.find_pose("T_BS");
   if (!file.noise_density && !file.T_body_imu) {
     throw InputError(path, "expected gyroscope_noise_density or T_BS, as in EuRoC's sensor.yaml");
   }

@@ -8,6 +8,7 @@ namespace cairn::host {
 namespace {
 
 constexpr std::int64_t kBeforeFirst_us = 100000;
+constexpr std::int64_t kLeastStep_us = 100;
 
 class GyroSource final : public FrameSource {
  public:
@@ -20,15 +21,17 @@ class GyroSource final : public FrameSource {
     info_.gyro = parameters;
     info_.inputs.push_back(path_);
     warnings_ = info_.warnings.size();
+    check_times(parameters);
   }
 
   const SourceInfo& info() const override { return info_; }
+  std::optional<TimeSpan> span() const override { return source_->span(); }
 
   bool next(Frame& frame) override {
     const bool more = source_->next(frame);
     const std::vector<std::string>& warnings = source_->info().warnings;
     for (; warnings_ < warnings.size(); ++warnings_) info_.warnings.push_back(warnings[warnings_]);
-    info_.damaged = source_->info().damaged;
+    info_.damaged = source_->info().damaged || foreign_;
     if (!more) {
       warn();
       return false;
@@ -46,9 +49,22 @@ class GyroSource final : public FrameSource {
   }
 
  private:
+  void check_times(const GyroParameters& parameters) {
+    std::vector<std::int64_t> times;
+    times.reserve(samples_.size());
+    for (const AngularRateSample& sample : samples_) times.push_back(sample.t_us);
+    const TimeSpan own{times.front(), times.back()};
+    const auto warning = check_overlap(path_, "the gyroscope", times, source_->span().value_or(own),
+                                       kLeastStep_us, parameters.max_gap_us);
+    if (!warning) return;
+    info_.warnings.push_back(*warning);
+    warned_ = true;
+  }
+
   void warn() {
     if (warned_ || 2 * without_ <= frames_) return;
     warned_ = true;
+    foreign_ = info_.damaged = without_ == frames_;
     info_.warnings.push_back(
         fmt::format("{}: {} of {} frames have no sample of the gyroscope since the frame before: "
                     "its times are not those of the frames",
@@ -65,6 +81,7 @@ class GyroSource final : public FrameSource {
   int without_ = 0;
   bool begun_ = false;
   bool warned_ = false;
+  bool foreign_ = false;  ///< of another clock than the frames
 };
 
 }  // namespace

@@ -28,6 +28,9 @@ class ImageSequence final : public FrameSource {
   }
 
   const SourceInfo& info() const override { return info_; }
+  std::optional<TimeSpan> span() const override {
+    return TimeSpan{frames_.front().known.t_us, frames_.back().known.t_us};
+  }
 
   bool next(Frame& frame) override {
     if (position_ == frames_.size()) return false;

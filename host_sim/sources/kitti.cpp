@@ -117,6 +117,34 @@ OdometrySample odometry_between(const Frame& from, const Frame& to, GaussianRand
   return sample;
 }
 
+/// Row of a file (poses.txt, times.txt) that belongs to each picture. Rows count from 0, as the
+/// numbers do, or from the first picture's where they are fewer; as many rows as pictures belong to
+/// them in order.
+std::vector<std::size_t> rows_of(const std::vector<NumberedFile>& files, std::size_t rows,
+                                 const fs::path& path) {
+  const int first = files.front().number;
+  const auto last = static_cast<std::size_t>(files.back().number);
+  const std::size_t spanned = last - static_cast<std::size_t>(first) + 1;
+  std::vector<std::size_t> belong;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const auto number = static_cast<std::size_t>(files[i].number);
+    belong.push_back(rows == files.size() ? i
+                     : rows > last        ? number
+                                          : number - static_cast<std::size_t>(first));
+  }
+  if (rows == files.size() || rows >= spanned) return belong;
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    if (files[i].number == files[i - 1].number + 1) continue;
+    throw InputError(
+        files[i].path,
+        fmt::format("expected the picture after {}, or as many rows as the {} pictures "
+                    "in {}, found {}",
+                    files[i - 1].path.filename().string(), files.size(), path.filename().string(),
+                    rows));
+  }
+  throw InputError(path, fmt::format("expected a row for each of the {} images", files.size()));
+}
+
 std::vector<std::int64_t> read_times(const fs::path& path) {
   std::vector<std::int64_t> times;
   LineReader lines(path);
@@ -166,21 +194,20 @@ std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const Fra
     times = read_times(folder / "times.txt");
     info.inputs.push_back(folder / "times.txt");
   }
-  // Rows belong to the images in order, whatever number the first image has.
-  const bool poses_are_short = has_poses && poses.size() < files.size();
-  if (poses_are_short || (!times.empty() && times.size() < files.size())) {
-    throw InputError(poses_are_short ? poses_path : folder / "times.txt",
-                     fmt::format("expected a row for each of the {} images", files.size()));
-  }
+  std::vector<std::size_t> pose_rows;
+  if (has_poses) pose_rows = rows_of(files, poses.size(), poses_path);
+  std::vector<std::size_t> time_rows;
+  if (!times.empty()) time_rows = rows_of(files, times.size(), folder / "times.txt");
   GaussianRandom random(seed ^ 0x6b177ULL);
   std::vector<SequenceFrame> frames;
   for (std::size_t i = 0; i < files.size(); ++i) {
     SequenceFrame frame;
     frame.image = files[i].path;
     frame.known.number = files[i].number;
-    frame.known.t_us = times.empty() ? 100000 * static_cast<std::int64_t>(i) : times[i];
+    frame.known.t_us = times.empty() ? std::int64_t{100000} * (files[i].number - files[0].number)
+                                     : times[time_rows[i]];
     if (has_poses) {
-      Rigid<double> pose = poses[i];
+      Rigid<double> pose = poses[pose_rows[i]];
       if (!rectified.p_camera0.isZero()) pose.translation = pose * rectified.p_camera0;
       frame.known.true_T_world_camera = info.T_vehicle_camera * pose;
       frame.known.true_T_world_vehicle =

@@ -50,7 +50,7 @@ PinholeCamera<double> published_camera(const fs::path& folder) {
 std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
                                                   const fs::path& camera_file,
                                                   const FrameRange& range, LensCheck lens) {
-  require_folder(folder, "a folder with rgb.txt and groundtruth.txt");
+  require_folder(folder, "a folder with rgb.txt");
   SourceInfo info;
   info.name = "tum-rgbd";
   if (camera_file.empty()) {
@@ -65,9 +65,15 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
   }
   info.frame_rate_hz = 30.0;
   const fs::path list = folder / "rgb.txt";
-  const std::vector<TimedPose> truth = read_tum(folder / "groundtruth.txt");
+  const fs::path truth_path = folder / "groundtruth.txt";
   info.inputs.push_back(list);
-  info.inputs.push_back(folder / "groundtruth.txt");
+  std::vector<TimedPose> truth;
+  if (fs::exists(truth_path)) {
+    truth = read_tum(truth_path);
+    info.inputs.push_back(truth_path);
+  } else {
+    info.note = "no groundtruth.txt, so no true poses";
+  }
   std::vector<SequenceFrame> frames;
   LineReader lines(list);
   for (TextLine line; lines.next(line);) {
@@ -81,14 +87,16 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
       throw InputError(list, line.number, "expected times in increasing order");
     }
     frame.image = folder / inside_folder(std::string(fields[1]), list, line.number);
-    frame.known.true_T_world_camera = pose_near(truth, frame.known.t_us);
+    if (!truth.empty()) frame.known.true_T_world_camera = pose_near(truth, frame.known.t_us);
     frames.push_back(std::move(frame));
   }
   if (frames.empty()) throw InputError(list, "expected lines of: time file");
   std::vector<std::int64_t> frame_times;
   for (const SequenceFrame& frame : frames) frame_times.push_back(frame.known.t_us);
   check_frame_times(list, frame_times);
-  check_truth(folder / "groundtruth.txt", truth, {frame_times.front(), frame_times.back()}, info);
+  if (!truth.empty()) {
+    check_truth(truth_path, truth, {frame_times.front(), frame_times.back()}, info);
+  }
   return make_image_sequence(std::move(info), std::move(frames), range, list);
 }
 

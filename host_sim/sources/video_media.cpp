@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/core/version.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -143,6 +144,9 @@ class VideoMedia final : public Media {
  private:
   ContainerClock open() {
     require_file(path_, "a video file or a folder of numbered images");
+    if (cv::haveImageReader(path_.string())) {
+      throw InputError(path_, "expected a video or a folder of pictures, found one picture");
+    }
     // Other back ends than FFmpeg report on standard error what they cannot open.
     const auto level = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
     const bool opened =
@@ -172,7 +176,8 @@ class VideoMedia final : public Media {
       }
       return false;
     }
-    const double container_ms = capture_.get(cv::CAP_PROP_POS_MSEC);
+    const double told_ms = capture_.get(cv::CAP_PROP_POS_MSEC);
+    const double container_ms = std::isfinite(told_ms) ? told_ms : 0.0;
     if (!clock_.take(count_, std::llround(1e3 * container_ms), frame)) {
       throw InputError(path_, fmt::format("expected times that increase, found {:.3f} s for frame "
                                           "{} after {:.3f} s: give them by --times",

@@ -71,12 +71,13 @@ class VideoSource final : public FrameSource {
     if (!options.hfov_deg) info_.inputs = {options.camera};
     info_.inputs.insert(info_.inputs.end(), media.inputs.begin(), media.inputs.end());
     if (times_.has_value()) info_.inputs.push_back(options.times);
-    const std::optional<TimeSpan> span = frames_span();
-    if (!options.truth.empty()) read_truth(span);
-    if (!options.odometry.empty()) take_odometry(span);
+    span_ = frames_span();
+    if (!options.truth.empty()) read_truth();
+    if (!options.odometry.empty()) take_odometry();
   }
 
   const SourceInfo& info() const override { return info_; }
+  std::optional<TimeSpan> span() const override { return span_; }
 
   bool next(Frame& frame) override {
     MediaFrame place;
@@ -117,17 +118,16 @@ class VideoSource final : public FrameSource {
   }
 
   void check_recording(const fs::path& file, const std::string& what,
-                       const std::vector<std::int64_t>& times, std::int64_t most_step_us,
-                       const std::optional<TimeSpan>& span) {
-    if (!span.has_value()) return;
+                       const std::vector<std::int64_t>& times, std::int64_t most_step_us) {
+    if (!span_.has_value()) return;
     const auto warning =
-        check_overlap(file, what, times, *span, kLeastRecordedStep_us, most_step_us);
+        check_overlap(file, what, times, *span_, kLeastRecordedStep_us, most_step_us);
     if (warning.has_value()) info_.warnings.push_back(*warning);
   }
 
-  void read_truth(const std::optional<TimeSpan>& span) {
+  void read_truth() {
     truth_ = read_tum(options_.truth);
-    check_recording(options_.truth, "the truth", times_of(truth_), kMostTruthStep_us, span);
+    check_recording(options_.truth, "the truth", times_of(truth_), kMostTruthStep_us);
     info_.inputs.push_back(options_.truth);
   }
 
@@ -141,10 +141,10 @@ class VideoSource final : public FrameSource {
     return model;
   }
 
-  void take_odometry(const std::optional<TimeSpan>& span) {
+  void take_odometry() {
     odometry_ = read_odometry(options_.odometry);
     check_recording(options_.odometry, "the odometry", times_of(odometry_.samples),
-                    kMostOdometryStep_us, span);
+                    kMostOdometryStep_us);
     info_.odometry = with_noise(odometry_.model);
     info_.inputs.push_back(options_.odometry);
     info_.tilt = camera_.tilt.value_or(TiltParameters<double>::car());
@@ -202,6 +202,7 @@ class VideoSource final : public FrameSource {
   OdometryFile odometry_;
   std::vector<TimedPose> truth_;
   SourceInfo info_;
+  std::optional<TimeSpan> span_;
   std::size_t next_sample_ = 0;
   std::size_t next_truth_ = 0;
   int given_ = 0;

@@ -10,7 +10,10 @@ mkdir "$work/pictures"
 cp "$work/board.png" "$work/pictures/a.png"
 expect 3 "boards in 1 of 1 pictures|pictures: expected 4 or more boards" \
   calibrate pictures --squares 9x6 --out camera.yaml
-expect 3 "expected a chessboard of 10x7 squares, found none in 1 pictures" calibrate pictures --out camera.yaml
+expect 3 "expected a chessboard of 10x7 squares, found none in 1 pictures|not the corners between them" \
+  calibrate pictures --out camera.yaml
+expect 3 "expected a charuco of 9x6 squares, found none in 1 pictures|--dictionary 4X4_50|--marker-ratio 0.75" \
+  calibrate pictures --board charuco --squares 9x6 --dictionary 4X4_50 --out camera.yaml
 expect 3 "nowhere" calibrate nowhere --out camera.yaml
 [ ! -e "$work/camera.yaml" ] || fail "a camera file without boards"
 expect 2 "MEDIA" calibrate --out camera.yaml

@@ -43,6 +43,25 @@ check "whole tables after SIGTERM" whole_tables term
 check "no parts after SIGTERM" no_parts term
 (cd "$work" && "$sim" replay term.log >/dev/null 2>&1 </dev/null) || fail "the log of an interrupted run replays"
 
+# a terminal that closes, and one whose closing is ignored
+start hung
+kill -HUP "$run"
+wait "$run"
+code=$?
+check "exit code after SIGHUP: $code" [ "$code" -eq 129 ]
+check "the summary is marked" grep -qE '"interrupted_by": 1(,|$)' "$work/hung/summary.json"
+check "whole tables after SIGHUP" whole_tables hung
+trap '' HUP
+start nohup
+trap - HUP
+kill -HUP "$run"
+sleep 0.5
+check "nohup holds" kill -0 "$run"
+kill -TERM "$run"
+wait "$run"
+code=$?
+check "exit code under nohup after SIGTERM: $code" [ "$code" -eq 143 ]
+
 # a kill: nothing that looks like results
 start kill
 kill -KILL "$run"

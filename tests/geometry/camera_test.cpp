@@ -89,6 +89,18 @@ TEST(CameraDistortion, EveryPixelOfAWideLensHasItsRay) {
   }
 }
 
+TEST(CameraDistortion, AFocalLengthOfNoPictureIsRefused) {
+  for (const double focal : {1e-3, 1e-30, 1e9, 1e30}) {
+    for (const bool both : {false, true}) {
+      PinholeCamera<double> camera = lens(500.0, 0.0, 0.0);
+      camera.fy = focal;
+      if (both) camera.fx = focal;
+      EXPECT_EQ(camera.validate(), Status::kBadConfig) << focal;
+      EXPECT_EQ(cast<float>(camera).validate(), Status::kBadConfig) << focal;
+    }
+  }
+}
+
 TEST(CameraFocalScale, KeepsThePixelsOfNarrowerRays) {
   PinholeCamera<double> camera = lens(500.0, 0.2, -0.6, 0.5, 0.001, -0.002);
   for (const bool rational : {false, true}) {

@@ -198,6 +198,30 @@ TEST(CameraFile, NoCoefficientIsDropped) {
                    {"cam.yaml:4", "one camera"}));
 }
 
+TEST(CameraFile, EveryNumberThatIsAnnouncedIsThere) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const std::string& text) {
+    return message_of([&] { read_camera_file(folder.write("c.yaml", text)); });
+  };
+  const auto opencv = [&](const std::string& rows, const std::string& cols) {
+    return problem(
+        "image_width: 640\nimage_height: 480\ncamera_matrix: [[500, 0, 320], [0, 500, 240], [0, 0, "
+        "1]]\ndistortion_coefficients:\n  rows: " +
+        rows + "\n  cols: " + cols + "\n  data: [-0.2, 0.05, 0.001, 0.001]\n");
+  };
+  EXPECT_EQ(opencv("1", "4"), "no error");
+  EXPECT_EQ(opencv("4", "1"), "no error");
+  EXPECT_TRUE(says(opencv("1", "5"), {"distortion_coefficients", "rows and cols", "5", "4"}));
+
+  // A fisheye of three coefficients is one that lost its last.
+  const std::string plain = "fx: 300\nfy: 300\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\n";
+  EXPECT_EQ(problem(plain + "lens: fisheye\nk1: 0.01\nk2: 0\nk3: 0\nk4: 0\n"), "no error");
+  EXPECT_TRUE(says(problem(plain + "lens: fisheye\nk1: 0.01\nk2: 0\nk3: 0\n"), {"k4", "missing"}));
+  std::string orb = "Camera.type: KannalaBrandt8\nCamera.fx: 300\nCamera.fy: 300\nCamera.cx: 320\n";
+  orb += "Camera.cy: 240\nCamera.width: 640\nCamera.height: 480\nCamera.k1: 0.01\n";
+  EXPECT_TRUE(says(problem(orb), {"Camera.k2", "missing"}));
+}
+
 TEST(CameraFile, ChecksTheCameraMatrix) {
   const TemporaryFolder folder;
   const auto problem = [&](const std::string& matrix) {

@@ -1,5 +1,6 @@
 // Data sets in the folders as they are downloaded.
 #include <cmath>
+#include <cstdio>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
@@ -84,6 +85,33 @@ TEST(Euroc, TimesCameraAndTheCamerasTruePoses) {
   EXPECT_EQ(colour(false), cv::Size());
 }
 
+/// WHEN the header names the columns in another order, THEN they are read by their names.
+TEST(Euroc, TruePosesAreReadByTheHeader) {
+  const TemporaryFolder folder;
+  write_euroc(folder, "state_groundtruth_estimate0");
+  folder.write("mav0/cam0/sensor.yaml", kSensor);
+  const auto write_truth = [&](const std::string& header, const std::string& numbers) {
+    std::string text = header + "\n";
+    for (int i = 0; i < 30; ++i) {
+      text += std::to_string(1403636579758555392 + 5000000L * i) + "," + numbers + "\n";
+    }
+    folder.write("mav0/state_groundtruth_estimate0/data.csv", text);
+  };
+  const auto pose = [&] {
+    Frame frame;
+    EXPECT_TRUE(make_euroc_source(folder.path(), {}, {})->next(frame));
+    return *frame.true_T_world_camera;
+  };
+  const std::string names = "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], ";
+  write_truth(names + "q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []", "1,2,3,0.8,0,0,0.6");
+  const Rigid<double> usual = pose();
+  write_truth(names + "q_RS_x [], q_RS_y [], q_RS_z [], q_RS_w []", "1,2,3,0,0,0.6,0.8");
+  EXPECT_LT(pose().rotation.angularDistance(usual.rotation), 1e-9);
+  EXPECT_EQ(pose().translation, usual.translation);
+  write_truth("# q_RS_w, a note", "1,2,3,0.8,0,0,0.6");
+  EXPECT_TRUE(says(message_of([&] { pose(); }), {"data.csv:2", "q_rs_w", "another order"}));
+}
+
 TEST(Euroc, AFisheyeOfTumViIsCroppedAndSixteenBitsAreShown) {
   const TemporaryFolder folder;
   write_euroc(folder, "mocap0", CV_16UC1);
@@ -163,6 +191,85 @@ TEST(Kitti, PublicLayoutHasItsPosesBesideTheSequences) {
   EXPECT_FALSE(source->info().odometry.has_value());
   EXPECT_TRUE(says(source->info().note, {"no true poses", "hand-held"}));
   EXPECT_FALSE(all_frames(*source).front().true_T_world_camera.has_value());
+}
+
+/// WHEN a picture is missing, THEN those behind it keep their times and poses: rows belong to
+/// numbers, from 0 or from the first picture on.
+TEST(Kitti, RowsBelongToNumbers) {
+  const TemporaryFolder folder;
+  folder.write("calib.txt", kKittiCalibration);
+  const auto rows = [&](int count) {
+    std::string poses;
+    std::string times;
+    for (int i = 0; i < count; ++i) {
+      poses += "1 0 0 0 0 1 0 0 0 0 1 " + std::to_string(i) + "\n";
+      times += std::to_string(0.1 * i) + "\n";
+    }
+    folder.write("poses.txt", poses);
+    folder.write("times.txt", times);
+  };
+  const auto show = [&](const std::vector<int>& numbers) {
+    fs::remove_all(folder.path() / "image_0");
+    for (const int n : numbers) {
+      char name[32];
+      std::snprintf(name, sizeof name, "%06d.png", n);
+      picture(folder.path() / "image_0" / name, 64, 48);
+    }
+  };
+  /// Rows that the times and the poses of the frames are of.
+  const auto taken = [&] {
+    std::vector<int> found;
+    for (const Frame& frame : all_frames(*make_kitti_source(folder.path(), {}, 1))) {
+      found.push_back(static_cast<int>(frame.t_us / 100000));
+      EXPECT_NEAR(frame.true_T_world_camera->translation.x(), found.back(), 1e-6);
+    }
+    return found;
+  };
+  using Rows = std::vector<int>;
+  show({0, 1, 3, 4});
+  rows(5);
+  EXPECT_EQ(taken(), (Rows{0, 1, 3, 4}));
+  rows(4);  // a row for each picture that is there
+  EXPECT_EQ(taken(), (Rows{0, 1, 2, 3}));
+  show({100, 101, 103});
+  rows(200);  // of the whole sequence
+  EXPECT_EQ(taken(), (Rows{100, 101, 103}));
+  rows(4);  // of the clip
+  EXPECT_EQ(taken(), (Rows{0, 1, 3}));
+  show({100, 101, 104, 105});
+  rows(5);
+  const std::string said = message_of([&] { make_kitti_source(folder.path(), {}, 1); });
+  EXPECT_TRUE(says(said, {"000104.png", "000101.png", "5", "poses.txt"}));
+  show({0, 1, 2});
+  rows(2);
+  EXPECT_TRUE(says(message_of([&] { make_kitti_source(folder.path(), {}, 1); }),
+                   {"poses.txt", "each of the 3 images"}));
+  // 10 Hz without times.
+  show({7, 8, 10});
+  rows(3);
+  fs::remove(folder.path() / "times.txt");
+  const std::vector<Frame> frames = all_frames(*make_kitti_source(folder.path(), {}, 1));
+  ASSERT_EQ(frames.size(), 3U);
+  EXPECT_EQ(frames[2].t_us, 300000);
+}
+
+TEST(Tum, RunsWithoutTruePoses) {
+  const TemporaryFolder folder;
+  const fs::path camera =
+      folder.write("c.yaml", "fx: 60\nfy: 60\ncx: 32\ncy: 24\nwidth: 64\nheight: 48\n");
+  for (const char* name : {"1.000000.png", "1.033333.png"}) {
+    picture(folder.path() / "rgb" / name, 64, 48);
+  }
+  folder.write("rgb.txt",
+               "# timestamp filename\n1.0 rgb/1.000000.png\n1.033333 rgb/1.033333.png\n");
+  const auto source = make_tum_rgbd_source(folder.path(), camera, {}, {});
+  EXPECT_TRUE(says(source->info().note, {"no groundtruth.txt"}));
+  ASSERT_TRUE(source->span().has_value());
+  EXPECT_EQ(source->span()->first_us, 1000000);
+  EXPECT_EQ(source->span()->last_us, 1033333);
+  for (const Frame& frame : all_frames(*source)) {
+    EXPECT_FALSE(frame.true_T_world_camera.has_value());
+  }
 }
 
 TEST(Kitti, ColourPicturesHaveTheirOwnCamera) {

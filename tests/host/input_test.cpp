@@ -23,6 +23,14 @@ TEST(PoseFile, TumRoundTripAndErrors) {
   EXPECT_EQ(read[0].t_us, poses[0].t_us);
   EXPECT_NEAR((read[1].pose.translation - poses[1].pose.translation).norm(), 0.0, 1e-8);
   EXPECT_NEAR(read[1].pose.rotation.angularDistance(poses[1].pose.rotation), 0.0, 1e-7);
+  // Times before 0 have their sign, and all of their digits.
+  poses[0].t_us = -1466667;
+  poses[1].t_us = -1;
+  write_tum(folder.path() / "before.tum", poses);
+  const std::vector<TimedPose> before = read_tum(folder.path() / "before.tum");
+  ASSERT_EQ(before.size(), 2U);
+  EXPECT_EQ(before[0].t_us, poses[0].t_us);
+  EXPECT_EQ(before[1].t_us, poses[1].t_us);
   EXPECT_TRUE(says(message_of([&] { read_tum(folder.write("b.tum", "0 0 0 0 0 0 0 1\n1 2 3\n")); }),
                    {"b.tum:2", "8 numbers"}));
   EXPECT_TRUE(says(message_of([&] { read_tum(folder.write("c.tum", "0 0 0 0 0 0 0 2\n")); }),

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <fcntl.h>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -53,6 +56,29 @@ int with_room_for(rlim_t limit, Action action) {
   int status = 0;
   waitpid(child, &status, 0);
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+/// WHEN what is there is no file, THEN it is written to and no file takes its place: with a
+/// superuser's rights that would be the end of /dev/null.
+TEST(OutputFile, ADeviceOrAPipeStaysWhatItIs) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(reader, 0);
+  write_text(pipe, "some text");
+  char text[32] = {};
+  EXPECT_EQ(read(reader, text, sizeof text), 9);
+  EXPECT_STREQ(text, "some text");
+  close(reader);
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(files_in(folder.path()), 1U);
+  write_text("/dev/null", "nothing");
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  if (fs::is_character_file("/dev/full")) {
+    EXPECT_THROW(write_text("/dev/full", "too much"), OutputError);
+    EXPECT_TRUE(fs::is_character_file("/dev/full"));
+  }
 }
 
 TEST(OutputFile, HasItsNameOnlyWhenItIsComplete) {

@@ -214,6 +214,8 @@ TEST(PictureFolder, NamesThatCannotBeOrderedAreRefused) {
     return message_of([&] { list_pictures(folder_with(folder, names)); });
   };
   EXPECT_TRUE(says(problem({"readme.txt"}), {"pictures", "images named NUMBER"}));
+  EXPECT_TRUE(
+      says(problem({"desk.mp4"}), {"pictures", "images named NUMBER", "its own name", "desk.mp4"}));
   EXPECT_TRUE(says(problem({"front.png"}), {"front.png", "number"}));
   EXPECT_TRUE(says(problem({"rgb_1.png", "depth_2.png"}), {"rgb_1.png", "depth_2.png"}));
   EXPECT_TRUE(

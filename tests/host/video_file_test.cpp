@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 
@@ -36,6 +37,10 @@ TEST(VideoFile, FileSkipsToTheFirstFrameAskedFor) {
   EXPECT_FALSE(source->next(frame));
   options.media = folder.write("noise.avi", "this is no video");
   EXPECT_TRUE(says(message_of([&] { make_video_source(options); }), {"noise.avi", "decode"}));
+  // OpenCV takes a picture for a video of one frame without a time.
+  options.media = folder.path() / "frame0001.png";
+  cv::imwrite(options.media.string(), cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)));
+  EXPECT_TRUE(says(message_of([&] { make_video_source(options); }), {"frame0001.png", "folder"}));
 }
 
 TEST(VideoFile, FramesOfAVariableRateKeepTheirTimes) {

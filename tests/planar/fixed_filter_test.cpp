@@ -249,5 +249,31 @@ TEST(FixedFilter, SurvivesExactOdometryAndExactSightings) {
   }
 }
 
+/// A position that the heading determines has no variance of its own: what rounding leaves of it is
+/// not below 0. What does not fit is as unsure as the format says.
+TEST(FixedFilter, MomentsHaveNoNegativeVariance) {
+  std::uint32_t saturations = 0;
+  for (int k = 1; k < 400; ++k) {
+    const double x_m = -0.001 * k;
+    const double variance = 1e-9 * k * k;
+    FixedPoseCovariance covariance;
+    covariance.heading = FixedVariance::nearest(variance);
+    covariance.y_heading = FixedVariance::nearest(-x_m * variance);
+    covariance.position.yy = FixedVariance::nearest(x_m * x_m * variance);
+    const FixedLength x = FixedLength::nearest(x_m);
+    const auto m = detail::turned_point_moments(x, FixedLength(), covariance, saturations);
+    ASSERT_GE(m.covariance.position.xx.raw(), 0) << k;
+    ASSERT_GE(m.covariance.position.yy.raw(), 0) << k;
+    ASSERT_LT(m.covariance.position.yy.to_double(), 1e-6) << k;
+  }
+  EXPECT_EQ(saturations, 0U);
+  FixedPoseCovariance wide;
+  wide.heading = FixedVariance::nearest(3e5);
+  wide.y_heading = FixedVariance::nearest(-5e5);
+  const FixedLength x = FixedLength::nearest(100.0);
+  const auto m = detail::turned_point_moments(x, FixedLength(), wide, saturations);
+  EXPECT_GE(m.covariance.position.yy.raw(), 0);
+}
+
 }  // namespace
 }  // namespace cairn

@@ -18,7 +18,10 @@ struct WindowScene {
     };
     for (Vector3<T>& p : points) {
       const T z = within(0.6, 1.8);
-      p = Vector3<T>(z * within(-0.5, 0.5), z * within(-0.4, 0.4), z);
+      // One after the other: compilers evaluate arguments in orders of their own.
+      const T y = z * within(-0.4, 0.4);
+      const T x = z * within(-0.5, 0.5);
+      p = Vector3<T>(x, y, z);
     }
   }
   static Rigid<T> pose(int frame) {  // T_camera_world

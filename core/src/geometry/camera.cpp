@@ -133,6 +133,9 @@ bool add_tangential(const PinholeCamera<T>& camera, const Vector2<T>& distorted,
 
 template <class T>
 Status PinholeCamera<T>::check_numbers() const {
+  // Of the longer side: beyond these a pixel's ray is no number.
+  constexpr T kLeastFocalShare = T(1e-3);
+  constexpr T kMostFocalShare = T(1e4);
   const T values[] = {fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6};
   for (const T v : values) {
     if (!is_finite(v)) return Status::kBadConfig;
@@ -141,8 +144,13 @@ Status PinholeCamera<T>::check_numbers() const {
   if (lens != Lens::kRadialTangential && !(lens == Lens::kFisheye && of_fisheye)) {
     return Status::kBadConfig;
   }
-  const bool good = fx > T(0) && fy > T(0) && width > 0 && height > 0 && cx >= T(0) && cy >= T(0) &&
-                    cx < static_cast<T>(width) && cy < static_cast<T>(height);
+  const auto side = static_cast<T>(width > height ? width : height);
+  const auto is_focal_length = [side](T f) {
+    return f >= side * kLeastFocalShare && f <= side * kMostFocalShare;
+  };
+  const bool good = width > 0 && height > 0 && is_focal_length(fx) && is_focal_length(fy) &&
+                    cx >= T(0) && cy >= T(0) && cx < static_cast<T>(width) &&
+                    cy < static_cast<T>(height);
   return good ? Status::kOk : Status::kBadConfig;
 }
 

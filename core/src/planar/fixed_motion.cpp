@@ -160,8 +160,8 @@ FixedMotionNoise::Columns FixedMotionNoise::columns(Count& saturations) const {
   c.rest[0][large] = wide::scale(first.mantissa, kBits - first.bits, saturations);
   c.rest[0][1 - large] = divide_by(rest(own_.xy, 1, 0), first, kBits, saturations);
   const std::int64_t shared = c.rest[0][1 - large];
-  const FixedRoot second = square_root(
-      own[1 - large] - wide::multiply(shared, shared, kSquared, saturations), kVariance);
+  const std::int64_t lost = wide::multiply(shared, shared, kSquared, saturations);
+  const FixedRoot second = square_root(wide::add(own[1 - large], -lost, saturations), kVariance);
   c.rest[1][large] = 0;
   c.rest[1][1 - large] = wide::scale(second.mantissa, kBits - second.bits, saturations);
   return c;

@@ -88,7 +88,7 @@ bool expected_range_bearing(const FixedAxes& axes, FixedLength x, FixedLength y,
   const FixedLength dy =
       subtract(y, multiply<FixedLength>(sensor_offset, axes.sine, saturations), saturations);
   const std::int64_t squared =
-      std::int64_t{dx.raw()} * dx.raw() + std::int64_t{dy.raw()} * dy.raw();
+      wide::add(std::int64_t{dx.raw()} * dx.raw(), std::int64_t{dy.raw()} * dy.raw(), saturations);
   const FixedRoot range = square_root(squared, 2 * FixedLength::kFractionBits);
   out.range = FixedLength::from_raw(wide::narrow(
       wide::scale(range.mantissa, FixedLength::kFractionBits - range.bits, saturations),
@@ -211,6 +211,12 @@ FixedMoments turned_point_moments(FixedLength x, FixedLength y,
   out.covariance.x_heading = sum(covariance.x_heading, -of(shrunk, y));
   out.covariance.y_heading = sum(covariance.y_heading, of(shrunk, x));
   out.covariance.heading = covariance.heading;
+  // Rounding may leave a variance of nothing below 0; far below it is where a sum did not fit.
+  constexpr std::int64_t kRounding = 64;
+  for (FixedVariance* variance : {&c.xx, &c.yy}) {
+    if (variance->raw() >= 0) continue;
+    *variance = variance->raw() > -kRounding ? FixedVariance() : FixedVariance::most();
+  }
   return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/io/number_text.hpp"
+#include "host_sim/io/pose_file.hpp"
 
 namespace cairn::host {
 namespace {
@@ -81,11 +82,19 @@ std::string CameraSection::text(const std::string& key, const std::string& what)
 }
 
 std::vector<double> CameraSection::numbers(const std::string& key, const std::string& what) const {
-  const json* list = &take(key, what);
-  if (list->is_object() && list->contains("data")) list = &(*list)["data"];
+  const json& value = take(key, what);
+  const json* list = &value;
+  if (value.is_object() && value.contains("data")) list = &value["data"];
   if (!list->is_array()) fail(key, fmt::format("expected {}, found {}", what, shown(key)));
   std::vector<double> values;
   collect(*list, key, what, values);
+  if (value.is_object() && value.contains("rows") && value.contains("cols")) {
+    const double told = to_number(value["rows"], key, what) * to_number(value["cols"], key, what);
+    if (told != static_cast<double>(values.size())) {
+      fail(key, fmt::format("expected as many numbers as its rows and cols say, {}, found {}", told,
+                            values.size()));
+    }
+  }
   return values;
 }
 
@@ -119,6 +128,20 @@ int CameraSection::to_extent(double value, const std::string& key) const {
                           kLargestImageSide, value));
   }
   return static_cast<int>(value);
+}
+
+std::optional<Rigid<double>> CameraSection::find_pose(const std::string& key) const {
+  if (!has(key)) return std::nullopt;
+  const std::vector<double> m = matrix(key, 4, 4, "a pose matrix, row by row");
+  Matrix3<double> rotation;
+  rotation << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
+  Rigid<double> pose;
+  if (!to_rotation(rotation, pose.rotation)) fail(key, "expected a rotation in the left 3x3 block");
+  if (m[12] != 0.0 || m[13] != 0.0 || m[14] != 0.0 || m[15] != 1.0) {
+    fail(key, "expected 0 0 0 1 in the last row");
+  }
+  pose.translation = {m[3], m[7], m[11]};
+  return pose;
 }
 
 CameraSection CameraSection::child(const std::string& key) const {

@@ -3,11 +3,14 @@
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
+
+#include "cairn/geometry/rigid.hpp"
 
 namespace cairn::host {
 
@@ -35,6 +38,8 @@ class CameraSection {
   /// rows x cols numbers, row by row: as one list, a list of rows, or {rows, cols, data}.
   std::vector<double> matrix(const std::string& key, int rows, int cols,
                              const std::string& what) const;
+  /// A 4x4 pose, row by row; empty where the key is not there.
+  std::optional<Rigid<double>> find_pose(const std::string& key) const;
   /// An image side.
   int extent(const std::string& key, const std::string& what) const;
   int to_extent(double value, const std::string& key) const;

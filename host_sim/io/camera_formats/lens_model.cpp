@@ -202,6 +202,10 @@ void read_distortion_keys(const CameraSection& section, const std::string& prefi
   std::vector<double> d;
   for (const std::string& name : names) {
     const std::string key = prefix + name;
+    // Of a fisheye all four belong together; those of other lenses are 0 where they are not told.
+    if (model == LensModel::kFisheye && !section.has(key)) {
+      section.fail(key, "missing; expected k1 k2 k3 k4 of a fisheye");
+    }
     d.push_back(section.has(key) ? section.number(key, "a distortion coefficient") : 0.0);
   }
   set_distortion(section, prefix + "k1", model, d, camera);
