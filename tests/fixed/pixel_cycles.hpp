@@ -35,6 +35,7 @@ struct PixelCycles<FixedGroupSlam<kPixelMapLandmarks, 3>> {
   FixedMount mount;
   FixedIncrement increment;
   FixedPixelMatch matches[kPixelMapLandmarks];
+  FixedVector<FixedPlannedPixel, kPixelMapLandmarks> plan;
   Random random;
   int hypotheses = 0;
 
@@ -70,10 +71,11 @@ struct PixelCycles<FixedGroupSlam<kPixelMapLandmarks, 3>> {
   bool predict() { return ok(filter.predict(increment)); }
   bool predict_tilt() { return ok(filter.predict_tilt(kTime)); }
   bool windows(const PixelPattern& pattern) {
-    const int count = filter.landmark_count();
-    for (int slot = 0; slot < count; ++slot) {
-      FixedPixelPrediction window;
-      if (!ok(filter.predict_pixel(slot, camera, mount, kSigma, window))) return false;
+    if (!ok(filter.plan_pixels(camera, mount, kSigma, plan))) return false;
+    if (plan.size() != filter.landmark_count()) return false;
+    for (const FixedPlannedPixel& planned : plan) {
+      const FixedPixelPrediction& window = planned.prediction;
+      const int slot = window.slot;
       if (slot >= pattern.seen) continue;
       matches[slot].id = filter.landmark_id(slot);
       for (int i = 0; i < 2; ++i) {

@@ -112,6 +112,8 @@ void step(Filter& filter) {
     }
     case 4: {
       FixedPixelPrediction prediction;
+      FixedVector<FixedPlannedPixel, 4> plan;
+      (void)filter.plan_pixels(any_camera(), any_mount(), any<FixedPixel>(), plan);
       const int slot = *rc::gen::inRange(-1, 5);
       (void)filter.predict_pixel(slot, any_camera(), any_mount(), any<FixedPixel>(), prediction);
       return;

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "fixed_camera_drive.hpp"
@@ -71,6 +74,59 @@ TEST(FixedPixels, WindowsEqualDouble) {
   EXPECT_EQ(drive.fixed().saturations(), 0U);
 }
 
+/// As plan_searches() makes it.
+std::vector<PixelPrediction<double>> plan_in_double(Drive& drive) {
+  std::vector<PixelPrediction<double>> plan;
+  for (int slot = 0; slot < drive.fixed().landmark_count(); ++slot) {
+    const int other = drive.reference().find(drive.fixed().landmark_id(slot));
+    PixelPrediction<double> prediction;
+    if (ok(drive.reference().predict_pixel(other, drive.double_camera(), drive.double_mount(), 0.5,
+                                           prediction)) &&
+        drive.double_camera().contains(prediction.pixel, 2.0)) {
+      prediction.id = drive.fixed().landmark_id(slot);
+      plan.push_back(prediction);
+    }
+  }
+  std::stable_sort(plan.begin(), plan.end(), [](const auto& a, const auto& b) {
+    return a.covariance.determinant() > b.covariance.determinant();
+  });
+  return plan;
+}
+
+TEST(FixedPixels, PlansTheSearchesOfDouble) {
+  for (const bool tilts : {false, true}) {
+    Drive drive(9, tilts);
+    int planned = 0;
+    for (int k = 0; k < 60; ++k) {
+      drive.move();
+      FixedVector<FixedPlannedPixel, 20> plan;
+      ASSERT_EQ(
+          drive.fixed().plan_pixels(drive.camera(), drive.mount(), FixedPixel::nearest(0.5), plan),
+          Status::kOk);
+      const auto expected = plan_in_double(drive);
+      ASSERT_EQ(plan.size(), static_cast<int>(expected.size())) << k;
+      for (int i = 0; i < plan.size(); ++i) {
+        const FixedPixelPrediction& window = plan[i].prediction;
+        const PixelPrediction<double>& of_double = expected[static_cast<std::size_t>(i)];
+        ASSERT_EQ(window.id, of_double.id) << k;
+        EXPECT_EQ(drive.fixed().landmark_id(window.slot), window.id);
+        for (int a = 0; a < 2; ++a) {
+          EXPECT_NEAR(window.pixel[a].to_double(), of_double.pixel(a), 0.02);
+        }
+        for (int a = 0; a < 3; ++a) {
+          EXPECT_NEAR(window.p_camera[a].to_double(), of_double.p_camera(a), 1e-4);
+        }
+        const double determinant = of_double.covariance.determinant();
+        EXPECT_NEAR(plan[i].priority.to_double(), determinant, 2e-3 * determinant + 1e-3);
+      }
+      planned += plan.size();
+      drive.look();
+    }
+    EXPECT_GT(planned, 200);
+    EXPECT_EQ(drive.fixed().saturations(), 0U);
+  }
+}
+
 TEST(FixedPixels, HeightsEqualDouble) {
   Drive drive(4, true);
   for (int k = 0; k < 20; ++k) {
@@ -130,6 +186,9 @@ TEST(FixedPixels, RefusesWhatItCannotUseAndStaysAsItWas) {
   FixedPixelPrediction prediction;
   EXPECT_EQ(filter.predict_pixel(99, drive.camera(), drive.mount(), sigma, prediction),
             Status::kNotFound);
+  FixedVector<FixedPlannedPixel, 20> plan;
+  EXPECT_EQ(filter.plan_pixels(broken, drive.mount(), sigma, plan), Status::kBadConfig);
+  EXPECT_EQ(filter.plan_pixels(drive.camera(), bent, sigma, plan), Status::kInvalidArgument);
   EXPECT_EQ(filter.update_height(99, {}, FixedLength::nearest(0.1), FixedScore::nearest(6.63)),
             Status::kNotFound);
   EXPECT_EQ(filter.update_height(1, {}, {}, FixedScore::nearest(6.63)), Status::kInvalidArgument);

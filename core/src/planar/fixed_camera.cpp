@@ -17,10 +17,11 @@ Status FixedMount::check() const {
   return sum <= kOff && sum >= -kOff ? Status::kOk : Status::kInvalidArgument;
 }
 
-bool FixedCamera::contains(const FixedPixel (&pixel)[2]) const {
+bool FixedCamera::contains(const FixedPixel (&pixel)[2], FixedPixel margin) const {
   constexpr int kBits = FixedPixel::kFractionBits;
-  const auto inside = [](FixedPixel at, int size) {
-    return at.raw() >= 0 && at.raw() <= std::int64_t{size - 1} * (std::int64_t{1} << kBits);
+  const auto inside = [margin](FixedPixel at, int size) {
+    const std::int64_t most = std::int64_t{size - 1} * (std::int64_t{1} << kBits) - margin.raw();
+    return at >= margin && at.raw() <= most;
   };
   return inside(pixel[0], width) && inside(pixel[1], height);
 }
@@ -268,12 +269,11 @@ bool FixedCameraView::see(const FixedLength (&relative)[3], FixedProjection& out
 bool FixedCameraView::linearise(const FixedLength (&relative)[3], FixedPixelRows& out,
                                 Count& saturations) const {
   constexpr FixedLength kNearest = FixedLength::nearest(0.3);
-  FixedLength p[3];
+  FixedLength(&p)[3] = out.p_camera;
   to_camera(relative, p, saturations);
   if (p[2] < kNearest) return false;
   FixedProjection projection;
   if (!project(*camera, p, projection, saturations)) return false;
-  out.z = p[2];
   for (int r = 0; r < 2; ++r) {
     out.pixel[r] = projection.pixel[r];
     const FixedPixel f = r == 0 ? camera->fx : camera->fy;

@@ -24,7 +24,8 @@ struct FixedCamera {
 
   /// kBadConfig unless focal lengths and size are positive.
   Status check_numbers() const;
-  bool contains(const FixedPixel (&pixel)[2]) const;
+  /// Whether a pixel lies in the picture, `margin` or more from its border.
+  bool contains(const FixedPixel (&pixel)[2], FixedPixel margin = FixedPixel()) const;
 };
 
 /// Pose of a camera in the vehicle frame: unit quaternion (w, x, y, z) and origin, m.
@@ -54,10 +55,19 @@ struct FixedPixelMatch {
 
 /// As PixelPrediction.
 struct FixedPixelPrediction {
+  LandmarkId id = kNoLandmark;
+  int slot = -1;
   FixedPixel pixel[2];
-  FixedPixelVariance xx;  ///< innovation covariance
+  FixedLength p_camera[3];  ///< expected point in the camera frame, m
+  FixedPixelVariance xx;    ///< innovation covariance
   FixedPixelVariance xy;
   FixedPixelVariance yy;
+};
+
+/// A landmark to search for, as PlannedSearch.
+struct FixedPlannedPixel {
+  FixedPixelPrediction prediction;
+  Fixed<std::int64_t, 16> priority;  ///< determinant of the innovation covariance, px^4
 };
 
 namespace detail {
@@ -102,7 +112,7 @@ struct FixedPixelRows {
   FixedTangent h[2][3];       ///< by the vector
   FixedLength tilt[2][2];     ///< by pitch and roll, m
   FixedTangent depth[3];      ///< the depth by the vector
-  FixedLength z;              ///< depth
+  FixedLength p_camera[3];    ///< the point, m
   std::int64_t per_pixel[2];  ///< z / f, m, kPixelBits fraction bits
 };
 

@@ -82,6 +82,13 @@ class FixedPlanarSlam {
   Status predict_pixel(int slot, const FixedCamera& camera, const FixedMount& T_vehicle_camera,
                        FixedPixel sigma_px, FixedPixelPrediction& prediction);
 
+  /// The windows of a frame: predict_pixel() of every landmark that is expected 2 px or more inside
+  /// the picture, the most uncertain first, as plan_searches() orders them. Errors: as
+  /// predict_pixel(), `plan` untouched. Cost: predict_pixel() for each landmark, the camera's pose
+  /// once, an insertion sort.
+  Status plan_pixels(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
+                     FixedPixel sigma_px, FixedVector<FixedPlannedPixel, MaxLandmarks>& plan);
+
   /// Updates with landmarks found in the image that lie inside their gates, all linearised at one
   /// mean, and marks those used. Landmarks with height only. Errors: kNotInitialised,
   /// kInvalidArgument (too many, sigma, mounting), kBadConfig (camera): nothing is used then. Cost:
@@ -204,6 +211,8 @@ class FixedPlanarSlam {
   detail::FixedStateRow row_of(const PixelSighting& sighting, int row) const;
   bool sight(const PixelView& view, int slot, FixedPixel sigma_px, PixelSighting& out,
              detail::FixedPixelRows& rows);
+  bool expect(const PixelView& view, int slot, FixedPixel sigma_px,
+              FixedPixelPrediction& prediction);
   FixedCovariance2 innovation_of(const PixelSighting& sighting, std::uint32_t& saturations);
   void start_tilt();
   void keep_tilt(const FixedCovariance2& tilt);

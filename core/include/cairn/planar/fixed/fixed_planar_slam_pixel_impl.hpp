@@ -65,9 +65,10 @@ bool FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::sight(const PixelView& v
   const int bits = factor_.product(depth, l + 2, RowScaledFactor<kStates>::kMostBits, scratch_);
   std::int64_t squared = 0;
   for (int j = 0; j <= l + 2; ++j) squared += std::int64_t{scratch_[j]} * scratch_[j];
-  const std::int64_t share = wide::divide(wide::scale(squared, kBits - 2 * bits, saturations_),
-                                          std::int64_t{rows.z.raw()} * rows.z.raw(),
-                                          2 * FixedLength::kFractionBits, saturations_);
+  const std::int64_t depth_m = rows.p_camera[2].raw();
+  const std::int64_t share =
+      wide::divide(wide::scale(squared, kBits - 2 * bits, saturations_), depth_m * depth_m,
+                   2 * FixedLength::kFractionBits, saturations_);
   const FixedRoot factor =
       square_root(wide::add(std::int64_t{1} << kBits, share, saturations_), kBits);
   for (int i = 0; i < 2; ++i) {
@@ -147,26 +148,73 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_pixel(
     if (!ok(status)) return status;
     if (slot < 0 || slot >= slots_.size()) return Status::kNotFound;
     absorb_motion();
-    PixelSighting sighting;
-    detail::FixedPixelRows rows;
-    if (!sight(camera_view(camera, T_vehicle_camera), slot, sigma_px, sighting, rows) ||
-        !camera.contains(rows.pixel)) {
+    FixedPixelPrediction expected;
+    if (!expect(camera_view(camera, T_vehicle_camera), slot, sigma_px, expected) ||
+        !camera.contains(expected.pixel)) {
       return Status::kOutOfView;
     }
-    const FixedCovariance2 own = innovation_of(sighting, saturations_);
-    // From m^2 to px^2.
-    const auto variance = [&](FixedVariance s, int i, int j) {
-      const std::int64_t once =
-          wide::divide(s.raw(), rows.per_pixel[i], detail::kPixelBits, saturations_);
-      constexpr int kShift =
-          FixedPixelVariance::kFractionBits + detail::kPixelBits - FixedVariance::kFractionBits;
-      return FixedPixelVariance::from_raw(
-          wide::divide(once, rows.per_pixel[j], kShift, saturations_));
-    };
-    for (int i = 0; i < 2; ++i) prediction.pixel[i] = rows.pixel[i];
-    prediction.xx = variance(add(own.xx, sighting.noise(0, saturations_), saturations_), 0, 0);
-    prediction.xy = variance(own.xy, 0, 1);
-    prediction.yy = variance(add(own.yy, sighting.noise(1, saturations_), saturations_), 1, 1);
+    prediction = expected;
+    return Status::kOk;
+  }
+}
+
+/// False where the landmark has no pixel.
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+bool FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::expect(const PixelView& view, int slot,
+                                                               FixedPixel sigma_px,
+                                                               FixedPixelPrediction& prediction) {
+  PixelSighting sighting;
+  detail::FixedPixelRows rows;
+  if (!sight(view, slot, sigma_px, sighting, rows)) return false;
+  const FixedCovariance2 own = innovation_of(sighting, saturations_);
+  // From m^2 to px^2.
+  const auto variance = [&](FixedVariance s, int i, int j) {
+    const std::int64_t once =
+        wide::divide(s.raw(), rows.per_pixel[i], detail::kPixelBits, saturations_);
+    constexpr int kShift =
+        FixedPixelVariance::kFractionBits + detail::kPixelBits - FixedVariance::kFractionBits;
+    return FixedPixelVariance::from_raw(
+        wide::divide(once, rows.per_pixel[j], kShift, saturations_));
+  };
+  prediction.id = slots_.id(slot);
+  prediction.slot = slot;
+  for (int i = 0; i < 2; ++i) prediction.pixel[i] = rows.pixel[i];
+  for (int i = 0; i < 3; ++i) prediction.p_camera[i] = rows.p_camera[i];
+  prediction.xx = variance(add(own.xx, sighting.noise(0, saturations_), saturations_), 0, 0);
+  prediction.xy = variance(own.xy, 0, 1);
+  prediction.yy = variance(add(own.yy, sighting.noise(1, saturations_), saturations_), 1, 1);
+  return true;
+}
+
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::plan_pixels(
+    const FixedCamera& camera, const FixedMount& T_vehicle_camera, FixedPixel sigma_px,
+    FixedVector<FixedPlannedPixel, MaxLandmarks>& plan) {
+  if constexpr (LandmarkDim != 3) {
+    static_cast<void>(camera), static_cast<void>(T_vehicle_camera), static_cast<void>(sigma_px);
+    static_cast<void>(plan);
+    return Status::kInvalidArgument;
+  } else {
+    constexpr FixedPixel kMargin = FixedPixel::nearest(2.0);
+    const Status status = check_camera(camera, T_vehicle_camera, sigma_px);
+    if (!ok(status)) return status;
+    plan.clear();
+    absorb_motion();
+    const PixelView view = camera_view(camera, T_vehicle_camera);
+    for (int slot = 0; slot < slots_.size(); ++slot) {
+      FixedPlannedPixel entry;
+      FixedPixelPrediction& p = entry.prediction;
+      if (!expect(view, slot, sigma_px, p) || !camera.contains(p.pixel, kMargin)) continue;
+      using Priority = decltype(entry.priority);
+      entry.priority = subtract(multiply<Priority>(p.xx, p.yy, saturations_),
+                                multiply<Priority>(p.xy, p.xy, saturations_), saturations_);
+      plan.push_back(entry);
+      for (int i = plan.size() - 1; i > 0 && plan[i - 1].priority < plan[i].priority; --i) {
+        const FixedPlannedPixel moved = plan[i];
+        plan[i] = plan[i - 1];
+        plan[i - 1] = moved;
+      }
+    }
     return Status::kOk;
   }
 }

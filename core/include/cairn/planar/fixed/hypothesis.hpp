@@ -64,7 +64,7 @@ class FixedHypothesis {
     score_[1] =
         whitened(wide::add(measurement.innovation[1], -shared, saturations), length, saturations);
 
-    for (std::int32_t* direction : direction_) factor_.multiply(direction, last);
+    factor_.multiply(first, second, last);
   }
 
   /// The correction of state i with `fraction` bits.
@@ -76,12 +76,12 @@ class FixedHypothesis {
   }
 
   /// What is left of the covariance `prior` of two other rows, m^2.
-  FixedCovariance2 left(const FixedMeasurement& other, const FixedCovariance2& prior,
+  FixedCovariance2 left(const FixedStateRow (&rows)[2], const FixedCovariance2& prior,
                         std::uint32_t& saturations) const {
     FixedCovariance2 out = prior;
     for (const std::int32_t* direction : direction_) {
-      const std::int64_t f[2] = {applied(other.row[0], direction, saturations),
-                                 applied(other.row[1], direction, saturations)};
+      const std::int64_t f[2] = {applied(rows[0], direction, saturations),
+                                 applied(rows[1], direction, saturations)};
       const auto subtract_product = [&](FixedVariance& from, int i, int j) {
         constexpr int kDown = 2 * FixedMeasurement::kBits - FixedVariance::kFractionBits;
         const std::int64_t product = wide::multiply(f[i], f[j], kDown, saturations);

@@ -198,10 +198,32 @@ class FixedPixelUpdate {
     if (!view.see(relative, projection, saturations)) return false;
     std::int64_t residual[2];
     innovation(other, projection.pixel, residual);
-    const FixedCovariance2 left = hypothesis.left(measurement_of(other), other.own, saturations);
     const FixedVariance noise[2] = {other.noise(0, saturations), other.noise(1, saturations)};
+    bool inside = false;
+    if (is_certain(other.own, noise, residual, inside)) return inside;
+    const FixedStateRow rows[2] = {filter_.row_of(other, 0), filter_.row_of(other, 1)};
+    const FixedCovariance2 left = hypothesis.left(rows, other.own, saturations);
     const FixedScore score = mahalanobis(left, noise, residual, kPixelBits, saturations);
     return score <= filter_.parameters_.ransac_threshold;
+  }
+
+  /// Whether any covariance between the noise alone and the prior gives one answer, and which: most
+  /// matches need no more.
+  bool is_certain(const FixedCovariance2& prior, const FixedVariance (&noise)[2],
+                  const std::int64_t (&residual)[2], bool& inside) const {
+    std::uint32_t none = 0;  // what is too large is large
+    const auto squared = [&](int i) {
+      constexpr int kDown = 2 * kPixelBits - FixedVariance::kFractionBits;
+      return FixedVariance::from_raw(wide::multiply(residual[i], residual[i], kDown, none));
+    };
+    const auto allowed = [&](FixedVariance variance) {
+      return multiply<FixedVariance>(variance, filter_.parameters_.ransac_threshold, none);
+    };
+    const FixedVariance x = squared(0);
+    const FixedVariance y = squared(1);
+    inside = add(x, y, none) <= allowed(noise[0] < noise[1] ? noise[0] : noise[1]);
+    return inside || x > allowed(add(prior.xx, noise[0], none)) ||
+           y > allowed(add(prior.yy, noise[1], none));
   }
 
   /// The camera at the mean that the correction would give.

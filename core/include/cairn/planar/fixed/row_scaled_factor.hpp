@@ -114,15 +114,21 @@ class RowScaledFactor {
     return bits;
   }
 
-  /// u <- S u in the scale of the rows, u with 30 fraction bits and no longer than 1 on the columns
-  /// up to `last`, where it ends. Cost: n (last + 1) multiply-adds at most.
-  void multiply(std::int32_t* u, int last) const {
+  /// u <- S u and v <- S v in the scale of the rows, both with 30 fraction bits and no longer than
+  /// 1 on the columns up to `last`, where they end. Cost: 2 n (last + 1) multiply-adds at most.
+  void multiply(std::int32_t* u, std::int32_t* v, int last) const {
     for (int i = size_ - 1; i >= 0; --i) {
       RowReader elements(*this, i);
       const int end = i < last ? i : last;
-      std::int64_t sum = 0;
-      for (int j = 0; j <= end; ++j) sum += std::int64_t{elements.next()} * u[j];
-      u[i] = static_cast<std::int32_t>(wide::round_shift_far(sum, 30));
+      std::int64_t first = 0;
+      std::int64_t second = 0;
+      for (int j = 0; j <= end; ++j) {
+        const std::int64_t element = elements.next();
+        first += element * u[j];
+        second += element * v[j];
+      }
+      u[i] = static_cast<std::int32_t>(wide::round_shift_far(first, 30));
+      v[i] = static_cast<std::int32_t>(wide::round_shift_far(second, 30));
     }
   }
 
