@@ -14,7 +14,8 @@ std::vector<TimedPose> turning(const Vector3<double>& rate_radps, int poses,
   for (int k = 0; k < poses; ++k) {
     TimedPose& at = truth[static_cast<std::size_t>(k)];
     at.t_us = 5000000 + k * step_us;
-    at.pose.rotation = rotation_exp(Vector3<double>(rate_radps * (1e-6 * k * step_us)));
+    at.pose.rotation =
+        rotation_exp(Vector3<double>(rate_radps * (1e-6 * static_cast<double>(k * step_us))));
   }
   return truth;
 }
