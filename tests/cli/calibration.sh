@@ -8,7 +8,7 @@ expect 2 "board.png|--force" calibrate --write-board board.png
 expect 0 "board in marked.png" calibrate --write-board marked.png --board charuco --squares 9x6
 mkdir "$work/pictures"
 cp "$work/board.png" "$work/pictures/a.png"
-expect 3 "boards in 1 of 1 pictures|pictures: expected 4 or more boards" \
+expect 3 "boards in 1 of 1 pictures|of 4 or more that are needed" \
   calibrate pictures --squares 9x6 --out camera.yaml
 expect 3 "expected a chessboard of 10x7 squares, found none in 1 pictures|not the corners between them" \
   calibrate pictures --out camera.yaml

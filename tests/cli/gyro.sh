@@ -18,10 +18,10 @@ samples milliseconds.csv t,wx,wy,wz 0 5
 samples half.csv $header -700000 5000
 run() { run_code=$1 run_texts=$2; shift 2; expect "$run_code" "$run_texts" run video:pictures --camera camera.yaml --gyro-rotation 1,0,0,0 --no-video --force --out out "$@"; }
 
-run 0 "frames 30|gyroscope: 220 samples" --gyro own.csv
+run 0 "frames 30|gyroscope: 213 samples" --gyro own.csv
 run 3 "epoch.csv: expected times on the clock of the frames|0.000 s to 0.967 s|1700000000.000 s" --gyro epoch.csv
 run 3 "milliseconds.csv: expected steps of 0.0001 s to 0.05 s in the gyroscope, found 5 s|unit" --gyro milliseconds.csv
-run 0 "warning: half.csv: covers 52 % of the frames' time" --gyro half.csv
+run 0 "warning: half.csv: covers 53 % of the frames' time" --gyro half.csv
 for bad in "--gyro-noise nan" "--gyro-bias inf" "--gyro-time-sigma 2" "--focal-sigma nan" "--scale nan" "--hfov nan"; do
   expect 2 "${bad% *}: expected a number from " run video:pictures --gyro own.csv $bad --out out
 done

@@ -82,10 +82,11 @@ TEST(CameraFile, ReadsAFisheyeInEveryFormat) {
       "fx: 510\nfy: 520\ncx: 320\ncy: 240\nwidth: 640\nheight: 480\nlens: fisheye\nk1: -0.02\n"
       "k2: 0.01\nk3: -0.003\nk4: 0.001\n";
   const std::string files[] = {
-      replaced(replaced(kOpenCv, "fisheye_model: 0", "fisheye_model: 1"),
-               "[ 0.1, -0.2, 0.001, -0.002, 0. ]", fisheye_list),
-      replaced(replaced(kRos, "plumb_bob", "equidistant"), "[0.1, -0.2, 0.001, -0.002, 0]",
-               fisheye_list),
+      replaced(
+          replaced(replaced(kOpenCv, "fisheye_model: 0", "fisheye_model: 1"), "rows: 5", "rows: 4"),
+          "[ 0.1, -0.2, 0.001, -0.002, 0. ]", fisheye_list),
+      replaced(replaced(replaced(kRos, "plumb_bob", "equidistant"), "cols: 5", "cols: 4"),
+               "[0.1, -0.2, 0.001, -0.002, 0]", fisheye_list),
       replaced(replaced(kKalibr, "radtan", "equidistant"), list, fisheye_list),
       replaced(replaced(kEuroc, "radial-tangential", "equidistant"), list, fisheye_list),
       replaced(replaced(kOrbSlam2, "Camera.fx", "Camera.type: KannalaBrandt8\nCamera.fx"), keys,
@@ -279,7 +280,7 @@ TEST(CameraFile, NamesTheKeyThatIsMissingOrWrong) {
                    {"cam.yaml", "cam0.intrinsics", "missing"}));
   EXPECT_TRUE(says(problem("image_width: 640\nimage_height: 480\n"),
                    {"cam.yaml", "camera_matrix", "missing", "focal length"}));
-  EXPECT_TRUE(says(problem(replaced(kOpenCv, "5.1e+02,", "")), {"'camera_matrix'", "3x3"}));
+  EXPECT_TRUE(says(problem(replaced(kOpenCv, "5.1e+02,", "")), {"'camera_matrix'", "9, found 8"}));
   EXPECT_TRUE(says(problem(replaced(kOrbSlam2, "Camera.fx: 510", "Camera.fx: 510,5")),
                    {"'Camera.fx'", "'510,5'"}));
   EXPECT_TRUE(says(problem(std::string(kRos) + "fx: 500\n"), {"'fx'", "one calibration"}));

@@ -45,8 +45,7 @@ TEST(VideoSource, FolderWithTimesOdometryAndTruth) {
   options.times = folder.write("times.csv", "frame,t_us\n7,1000000\n8,1050000\n9,1100000\n");
   const std::string header = "t_s,speed_mps,steering_rad,wheelbase_m\n";
   const std::string later = "1.02,1,0.1,0.5\n1.05,1,0.2,0.5\n1.08,1,0.3,0.5\n";
-  options.odometry =
-      folder.write("odometry.csv", header + "0.96,1,0,0.5\n0.99,1,0,0.5\n" + later);
+  options.odometry = folder.write("odometry.csv", header + "0.96,1,0,0.5\n0.99,1,0,0.5\n" + later);
   options.truth = folder.write("truth.tum", "1.0 0 0 1 0 0 0 1\n1.05 0.05 0 1 0 0 0 1\n");
   const auto source = make_video_source(options);
   EXPECT_EQ(source->info().frame_count, 3);

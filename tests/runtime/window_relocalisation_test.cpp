@@ -59,7 +59,10 @@ class WindowWithoutSight : public ::testing::Test {
       }
       return rendered;
     }();
-    for (const Image& image : images) step(image);
+    for (const Image& image : images) {
+      step(image);
+      sure_ = sure_ || report_.state == TrackingState::kTracking;
+    }
   }
 
   std::unique_ptr<Tracker> tracker_ = std::make_unique<Tracker>();
@@ -67,6 +70,7 @@ class WindowWithoutSight : public ::testing::Test {
   FrameReport report_;
   int frame_ = 0;
   bool relocalised_ = false;
+  bool sure_ = false;  ///< in some frame of show_elsewhere()
 };
 
 TEST_F(WindowWithoutSight, ReturnsToTheMapsFrameAndScale) {
@@ -129,6 +133,7 @@ TEST_F(WindowWithoutSight, DoesNotTakeAnotherPlaceForTheMap) {
   show_elsewhere();
   EXPECT_FALSE(relocalised_);
   EXPECT_TRUE(tracker_->astray());
+  EXPECT_FALSE(sure_);
   EXPECT_EQ(report_.state, TrackingState::kUncertain);
   EXPECT_GE(tracker_->library().size(), 16) << "the map is remembered meanwhile";
 }
@@ -140,7 +145,7 @@ TEST_F(WindowWithoutSight, TakesTheNewMapAfterSomeTime) {
   show_dark(15);
   show_elsewhere();
   EXPECT_FALSE(relocalised_);
-  EXPECT_EQ(report_.state, TrackingState::kTracking);
+  EXPECT_TRUE(sure_);
   EXPECT_FALSE(tracker_->astray());
 }
 

@@ -90,9 +90,9 @@ std::vector<double> CameraSection::numbers(const std::string& key, const std::st
   collect(*list, key, what, values);
   if (value.is_object() && value.contains("rows") && value.contains("cols")) {
     const double told = to_number(value["rows"], key, what) * to_number(value["cols"], key, what);
-    if (told != static_cast<double>(values.size())) {
-      fail(key, fmt::format("expected as many numbers as its rows and cols say, {}, found {}", told,
-                            values.size()));
+    if (told > static_cast<double>(values.size())) {
+      fail(key, fmt::format("expected {}, as many numbers as its rows and cols say, {}, found {}",
+                            what, told, values.size()));
     }
   }
   return values;
