@@ -31,7 +31,7 @@ struct ConvergedSeed {
 struct SeedParameters {
   float initial_depth_m = 4.0F;
   float initial_sigma_rho = 0.25F;  ///< 1/m: everything beyond about 1.3 m within 2 sigma
-  float sigma_px = 0.5F;
+  float sigma_px = 0.3F;
   float max_relative_sigma = 0.2F;  ///< sigma(rho) / rho of a converged seed
   float min_depth_m = 0.5F;
   float max_depth_m = 25.0F;
