@@ -322,11 +322,11 @@ class FixedCameraDrive {
       if (outliers > 0.0 && uniform() < outliers) {
         ++outliers_;
         if (uniform() < 0.5) {
-          pixel.x() += 80.0 * (uniform() - 0.5);
           pixel.y() += 80.0 * (uniform() - 0.5);
+          pixel.x() += 80.0 * (uniform() - 0.5);
         } else {
-          pixel.x() = 640.0 * uniform();
           pixel.y() = 480.0 * uniform();
+          pixel.x() = 640.0 * uniform();
         }
       }
       FixedPixelMatch match;

@@ -16,7 +16,7 @@ struct FixedRansacParameters {
  private:
   static constexpr FixedRatio kOne = FixedRatio::nearest(1.0);
   // The float's number, which decides where a power of the share equals what is left.
-  static constexpr FixedRatio kProbability = FixedRatio::nearest(double{0.99F});
+  static constexpr FixedRatio kProbability = FixedRatio::nearest(static_cast<double>(0.99F));
   static constexpr FixedRatio kShare = FixedRatio::nearest(0.5);
 };
 /// Least n with (1 - inlier_count / count)^n <= 1 - probability, at least 1 and at most `limit`.
