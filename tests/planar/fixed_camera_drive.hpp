@@ -325,8 +325,8 @@ class FixedCameraDrive {
           pixel.y() += 80.0 * (uniform() - 0.5);
           pixel.x() += 80.0 * (uniform() - 0.5);
         } else {
-          pixel.y() = 480.0 * uniform();
           pixel.x() = 640.0 * uniform();
+          pixel.y() = 480.0 * uniform();
         }
       }
       FixedPixelMatch match;

@@ -101,11 +101,11 @@ class OdometryIntegrator {
   OdometryMotion motion_;
   OdometryTrust trust_;
   PlanarPose<float> path_;         ///< at the newest sample
+  float interval_s_ = 0.0F;        ///< usual, from one sample to the next
   std::int64_t time_us_ = 0;       ///< of the filter's pose
   std::int64_t corrected_us_ = 0;  ///< until then an image has corrected the pose
-  float interval_s_ = 0.0F;        ///< usual, from one sample to the next
-  bool begun_ = false;
   float yaw_variance_ = 0.0F;
+  bool begun_ = false;
 };
 
 template <class Filter>
