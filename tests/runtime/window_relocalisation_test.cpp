@@ -87,6 +87,30 @@ TEST_F(WindowWithoutSight, ReturnsToTheMapsFrameAndScale) {
   EXPECT_GE(tracker_->health().landmarks_reactivated, 12U);
 }
 
+TEST_F(WindowWithoutSight, ReturnsWithARollingShutter) {
+  Tracker::Parameters parameters;
+  parameters.readout.row_time_s = 1e-9F;  // which moves no pixel of these pictures
+  start(parameters);
+  show_dark(15);
+  int k = kFrames - 5;
+  for (; k > 45 && !relocalised_; --k) step(test::two_walls(k));
+  ASSERT_TRUE(relocalised_);
+  step(test::two_walls(k));
+  const Tracker::Window& window = tracker_->window();
+  int near = 0;
+  int seen_by_keyframe = 0;
+  for (int slot = 0; slot < Tracker::Window::kLandmarks; ++slot) {
+    Vector2<float> seen;
+    Vector2<float> expected;
+    if (!window.newest_sees(slot, seen)) continue;
+    ++seen_by_keyframe;
+    near +=
+        window.project(slot, window.newest_pose(), expected) && (seen - expected).norm() < 0.02F;
+  }
+  EXPECT_GE(seen_by_keyframe, 8);
+  EXPECT_EQ(near, seen_by_keyframe);
+}
+
 TEST_F(WindowWithoutSight, KnowsThePlaceByItsViewsWhereNoDescriptorMatches) {
   Tracker::Parameters parameters;
   parameters.memory.recogniser.matcher.max_distance = 0;

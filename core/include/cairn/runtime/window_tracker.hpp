@@ -229,6 +229,14 @@ class WindowTracker {
   bool make_keyframe(FrameContext& frame, bool moved);
   void observe_features();
   void note_pose();
+  void forget_motion() {
+    motion_.forget();
+    forget_exposures();
+  }
+  void forget_exposures() {
+    shutter_.forget_motion();
+    shutter_before_.forget_motion();
+  }
   void amend_keyframe(const RollingShutter& shutter);
   void improve_window(FrameContext& frame);
   void note_weak(FrameContext& frame);

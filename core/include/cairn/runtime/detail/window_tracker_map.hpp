@@ -74,7 +74,7 @@ void WindowTracker<Config>::improve_window(FrameContext& frame) {
     frames_without_step_ = 0;
   }
   follow_focal();
-  if (window_.corrected() != corrected) motion_.forget();
+  if (window_.corrected() != corrected) forget_motion();
   T_camera_world_ = T_camera_world_ * before.inverse() * window_.newest_pose();
   T_camera_world_.rotation.coeffs() *= 1.0F / sqrt(T_camera_world_.rotation.squaredNorm());
   for (int i = features_.size() - 1; i >= 0; --i) {
@@ -123,8 +123,7 @@ bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   window_.clear(expected_inverse_depth());
   follow_focal();
   features_.clear();
-  motion_.forget();
-  shutter_.forget_motion();
+  forget_motion();
   note_pose();
   weak_frames_ = 0;
   static_cast<void>(make_keyframe(frame, true));

@@ -61,6 +61,7 @@ void WindowTracker<Config>::return_to_map(FrameContext& frame) {
   follow_focal();
   features_.clear();
   motion_.forget_velocity();
+  forget_exposures();
   window_.begin_keyframe(T_camera_world_);
   note_gyro_keyframe();
   memory_.take_place(frame, window_, features_);

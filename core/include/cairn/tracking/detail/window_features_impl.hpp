@@ -108,7 +108,7 @@ int WindowFeatures<Config>::add(FrameContext& frame, Window& window, const Rolli
     const Vector2<float> pixel(point.x, point.y);
     candidates_.close(pixel.x(), pixel.y(), distance(frame));
     WindowFeature feature;
-    feature.pixel = pixel;
+    feature.pixel = feature.keyframe_pixel = pixel;
     take_templates(frame, feature);
     if (!feature.has_templates) continue;
     const Vector3<float> ray = frame.camera.unproject(feature.pixel);
@@ -135,7 +135,7 @@ bool WindowFeatures<Config>::add_known(const FrameContext& frame, int slot,
   if (features_.full()) return false;
   WindowFeature feature;
   feature.slot = slot;
-  feature.pixel = pixel;
+  feature.pixel = feature.keyframe_pixel = pixel;
   take_templates(frame, feature);
   feature.found = feature.in_library = feature.from_library = true;
   return feature.has_templates && features_.push_back(feature);
