@@ -50,19 +50,24 @@ FrameReport feed(Vehicle& tracker, const Frame& frame, const cv::Mat& picture) {
   return report;
 }
 
+/// In the map, which both trackers of a trial share.
+PlanarPose<double> pose_in_map(const Vehicle& tracker) {
+  const Rigid<double> T_map_vehicle = to_double(tracker.T_map_vehicle());
+  const Vector3<double> forward = T_map_vehicle.rotation * Vector3<double>::UnitX();
+  return {T_map_vehicle.translation.head<2>(), cairn::atan2(forward.y(), forward.x())};
+}
+
 double position_error(const Vehicle& tracker, const Frame& frame) {
-  const Vector2<double> p = tracker.filter().pose().position.cast<double>();
+  const Vector2<double> p = pose_in_map(tracker).position;
   return (p - frame.true_T_world_vehicle->translation.head<2>()).norm();
 }
 
 double distance_squared(const Vehicle& a, const Vehicle& b, const Matrix3<double>& more) {
-  const PlanarPose<float> pa = a.filter().pose();
-  const PlanarPose<float> pb = b.filter().pose();
-  const Vector3<double> d(static_cast<double>(pa.position.x() - pb.position.x()),
-                          static_cast<double>(pa.position.y() - pb.position.y()),
-                          static_cast<double>(wrap_angle(pa.heading - pb.heading)));
-  const Matrix3<double> P =
-      (a.filter().pose_covariance() + b.filter().pose_covariance()).cast<double>() + more;
+  const PlanarPose<double> pa = pose_in_map(a);
+  const PlanarPose<double> pb = pose_in_map(b);
+  const Vector3<double> d(pa.position.x() - pb.position.x(), pa.position.y() - pb.position.y(),
+                          wrap_angle(pa.heading - pb.heading));
+  const Matrix3<double> P = (a.covariance_in_map() + b.covariance_in_map()).cast<double>() + more;
   return d.dot(P.inverse() * d);
 }
 
@@ -82,7 +87,7 @@ void step(Running& running, int number, const Frame& frame, const cv::Mat& wrong
   const bool blind = running.blind(number);
   const FrameReport report = feed(*running.tracker, frame, blind ? wrong_picture : frame.grey);
   if (blind) {
-    running.open = running.tracker->filter().pose_covariance().cast<double>();
+    running.open = running.tracker->covariance_in_map().cast<double>();
     return;
   }
   running.trial.relocalised = running.trial.relocalised || report.relocalised;
