@@ -1,7 +1,9 @@
 #include "cairn/ar/line_drawing.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -103,6 +105,57 @@ TEST(DrawLine, IsTheSameInBothDirections) {
       largest = std::max(largest, std::abs(there.bytes()[k] - back.bytes()[k]));
     }
     EXPECT_LE(largest, 1);
+  }
+}
+
+/// The rasterisation as it is defined: for each position of the major axis the exact height of the
+/// line, rounded, and for each pixel across it the share that the span covers.
+void draw_plainly(GuardedImage& image, int width, int height, const LineQ8& line, int width_q8,
+                  std::uint8_t grey) {
+  LineQ8 l = line;
+  if (!clip_line(width, height, width_q8, l)) return;
+  const bool steep = std::abs(l.y1 - l.y0) > std::abs(l.x1 - l.x0);
+  std::int64_t u0 = steep ? l.y0 : l.x0, v0 = steep ? l.x0 : l.y0;
+  std::int64_t u1 = steep ? l.y1 : l.x1, v1 = steep ? l.x1 : l.y1;
+  if (u0 > u1) {
+    std::swap(u0, u1);
+    std::swap(v0, v1);
+  }
+  const float ratio = u1 > u0 ? static_cast<float>(v1 - v0) / static_cast<float>(u1 - u0) : 0.0F;
+  const std::int64_t half =
+      std::lround(static_cast<float>(width_q8) * std::sqrt(1.0F + ratio * ratio)) / 2;
+  const std::int64_t u_last = (steep ? height : width) - 1, v_count = steep ? width : height;
+  for (std::int64_t u = std::clamp<std::int64_t>((u0 + 128) >> 8, 0, u_last);
+       u <= std::clamp<std::int64_t>((u1 + 128) >> 8, 0, u_last); ++u) {
+    const std::int64_t rise = (std::clamp(u * 256, u0, u1) - u0) * (v1 - v0), run = u1 - u0;
+    const std::int64_t v = run > 0 ? v0 + (rise + (rise < 0 ? -run / 2 : run / 2)) / run : v0;
+    for (std::int64_t k = 0; k < v_count; ++k) {
+      const std::int64_t share =
+          std::min(v + half, k * 256 + 128) - std::max(v - half, k * 256 - 128);
+      if (share <= 0) continue;
+      std::uint8_t& pixel = image.view().row(static_cast<int>(steep ? u : k))[steep ? k : u];
+      pixel = static_cast<std::uint8_t>(pixel + (grey - pixel) * share / 256);
+    }
+  }
+}
+
+TEST(DrawLine, EqualsThePlainRasterisationToTheBit) {
+  std::mt19937 engine(5);
+  std::uniform_int_distribution<std::int32_t> close(-20 * 256, 90 * 256);
+  std::uniform_int_distribution<std::int32_t> far(-40000 * 256, 40000 * 256);
+  std::uniform_int_distribution<int> width(256, 1500);
+  GuardedImage fast(70, 50), plain(70, 50);
+  for (int i = 0; i < 2000; ++i) {
+    auto& range = i % 4 == 0 ? far : close;
+    LineQ8 l{};
+    for (std::int32_t* value : {&l.x0, &l.y0, &l.x1, &l.y1}) *value = range(engine);
+    if (i % 16 == 1) l.x1 = l.x0;
+    if (i % 16 == 2) l.y1 = l.y0;
+    const int width_q8 = width(engine);
+    const auto grey = static_cast<std::uint8_t>(i % 2 == 0 ? 255 : i % 251);
+    draw_line(fast.view(), l, width_q8, grey);
+    draw_plainly(plain, 70, 50, l, width_q8, grey);
+    ASSERT_EQ(fast.bytes(), plain.bytes()) << i;
   }
 }
 

@@ -258,6 +258,43 @@ TEST(DrawObject, DrawsWhatRayCastingSeesAndNothingElse) {
   EXPECT_LE(wrong, checked / 500);
 }
 
+TEST(DrawObject, FollowsTheLensInNoMorePiecesThanItBends) {
+  VirtualObject box;
+  ASSERT_TRUE(ok(make_box({1, 1, 1}, box)));
+  const auto camera = small_camera(-0.3F);
+  DrawStyle style;
+  style.halo_width_q8 = 0;
+  const auto draw = [&](const Vector3<float>& eye, DrawReport& report) {
+    GuardedImage image(320, 240);
+    const auto pose = look_at(eye, {0, 0, 0.5F});
+    EXPECT_TRUE(ok(draw_object(box, Rigid<float>(), camera, pose, style, image.view(), report)));
+    const ConvexPart& part = box.parts[0];
+    for (const auto& edge : part.edges) {
+      const auto front = [&](int f) {
+        return part.faces[f].normal.dot(pose.translation) > part.faces[f].offset;
+      };
+      if (!front(edge.face_left) && !front(edge.face_right)) continue;
+      for (int k = 0; k <= 100; ++k) {
+        const float t = static_cast<float>(k) / 100.0F;
+        const Vector3<float> p =
+            part.vertices[edge.a] + t * (part.vertices[edge.b] - part.vertices[edge.a]);
+        Vector2<float> pixel;
+        if (!ok(camera.project(pose.inverse() * p, pixel)) || !camera.contains(pixel, 3)) continue;
+        EXPECT_GT(image.at(static_cast<int>(std::lround(pixel.x())),
+                           static_cast<int>(std::lround(pixel.y()))),
+                  190)
+            << k;
+      }
+    }
+  };
+  DrawReport near;
+  draw({1.1F, 0.9F, 0.9F}, near);
+  EXPECT_GT(near.segments, 20);
+  DrawReport far;
+  draw({8, 6, 3}, far);
+  EXPECT_EQ(far.segments, far.edges);
+}
+
 TEST(DrawObject, TheWorkBudgetHoldsAndWhatIsLeftOutIsCounted) {
   VirtualObject object;
   ASSERT_TRUE(ok(make_cairn(1.0F, object)));

@@ -17,9 +17,15 @@ struct Piece {
 };
 using Pieces = FixedVector<Piece, VirtualObject::kMaxParts + 1>;
 
-struct HalfSpace {  // normal . p <= offset
+/// normal . p <= offset.
+struct HalfSpace {
   Vector3<float> normal;
   float offset;
+  float touch;  // an edge so far inside, as a share of its length, still only touches
+
+  HalfSpace() = default;
+  HalfSpace(const Vector3<float>& n, float o)
+      : normal(n), offset(o), touch(-1e-3F * sqrt(n.squaredNorm())) {}
 };
 
 /// The shadow of a convex part seen from `eye`: its front faces and the planes of its outline.
@@ -47,7 +53,7 @@ bool cast_shadow(const ConvexPart& part, const Vector3<float>& eye, Shadow& shad
   for (const Vector3<float>& v : part.vertices) centre += v;
   centre /= static_cast<float>(part.vertices.size());
   for (int f = 0; f < part.faces.size(); ++f) {
-    if (front[f]) shadow.planes.push_back({part.faces[f].normal, part.faces[f].offset});
+    if (front[f]) shadow.planes.push_back(HalfSpace(part.faces[f].normal, part.faces[f].offset));
   }
   for (const ConvexPart::Edge& edge : part.edges) {
     if (front[edge.face_left] == front[edge.face_right]) continue;
@@ -55,20 +61,25 @@ bool cast_shadow(const ConvexPart& part, const Vector3<float>& eye, Shadow& shad
     const Vector3<float> b = part.vertices[edge.b] - eye;
     Vector3<float> normal = a.cross(b);
     if (normal.dot(Vector3<float>(centre - eye)) > 0.0F) normal = -normal;
-    shadow.planes.push_back({normal, normal.dot(eye)});
+    shadow.planes.push_back(HalfSpace(normal, normal.dot(eye)));
   }
   return true;
 }
+
+/// What is to be seen of an edge.
+struct EdgePieces {
+  Pieces pieces;  // empty: the edge is hidden
+  bool cut = false;
+};
 
 /// The interval of a + t (b - a) inside the shadow, slightly shrunk, so that an edge that touches
 /// the part survives. False when there is none.
 bool inside_shadow(const Shadow& shadow, const Vector3<float>& a, const Vector3<float>& b,
                    Interval& hidden) {
-  constexpr float kTouch = 1e-3F;
+  const float length = sqrt((b - a).squaredNorm());
   hidden = Interval();
   for (const HalfSpace& plane : shadow.planes) {
-    const float scale = sqrt(plane.normal.squaredNorm());
-    const float limit = -kTouch * scale * sqrt((b - a).squaredNorm());
+    const float limit = plane.touch * length;
     const float at_a = plane.normal.dot(a) - plane.offset - limit;
     const float at_b = plane.normal.dot(b) - plane.offset - limit;
     if (at_a > 0.0F && at_b > 0.0F) return false;
@@ -120,12 +131,9 @@ std::int32_t to_q8(float pixel) {
   return round_to_int(clamp(pixel, -1e6F, 1e6F) * 256.0F);
 }
 
-/// Projects and draws one straight piece; points in the camera frame.
-void draw_piece(Canvas& canvas, const Vector3<float>& a, const Vector3<float>& b) {
-  Vector2<float> from;
-  Vector2<float> to;
-  if (!ok(canvas.camera.project(a, from)) || !ok(canvas.camera.project(b, to))) return;
-  if (canvas.segments >= kMaxSegments || canvas.pixels >= canvas.style.max_pixels) {
+/// Draws one straight piece between two pixels.
+void draw_piece(Canvas& canvas, const Vector2<float>& from, const Vector2<float>& to) {
+  if (canvas.pixels >= canvas.style.max_pixels) {
     ++canvas.left_out;
     return;
   }
@@ -136,6 +144,33 @@ void draw_piece(Canvas& canvas, const Vector3<float>& a, const Vector3<float>& b
   if (pixels == 0) return;
   ++canvas.segments;
   canvas.pixels += pixels;
+}
+
+/// Distance of `p` from the straight line through `a` and `b`, in px; of `a` where both are one.
+float off_line(const Vector2<float>& a, const Vector2<float>& b, const Vector2<float>& p) {
+  const Vector2<float> along = b - a;
+  const Vector2<float> to_p = p - a;
+  const float length = sqrt(along.squaredNorm());
+  if (length < 1.0F) return sqrt(to_p.squaredNorm());
+  return abs(along.x() * to_p.y() - along.y() * to_p.x()) / length;
+}
+
+/// Into how many straight pieces an edge is cut so that none is off the bent line by more than
+/// kLensBend: what lies between falls with the square of their number. Points in the camera frame.
+int count_pieces(const PinholeCamera<float>& camera, const Vector3<float>& a,
+                 const Vector3<float>& b) {
+  if (!camera.has_distortion()) return 1;
+  Vector2<float> pixels[4];
+  for (int k = 0; k < 4; ++k) {
+    const float t = static_cast<float>(k) / 3.0F;
+    if (!ok(camera.project(Vector3<float>(a + t * (b - a)), pixels[k]))) return kLensPieces;
+  }
+  const float first = off_line(pixels[0], pixels[3], pixels[1]);
+  const float second = off_line(pixels[0], pixels[3], pixels[2]);
+  const float bend = first > second ? first : second;
+  int pieces = 1;
+  while (pieces < kLensPieces && bend > kLensBend * static_cast<float>(pieces * pieces)) ++pieces;
+  return pieces;
 }
 
 /// Draws the segment between two points of the object frame, clipped at the near plane.
@@ -152,18 +187,18 @@ void draw_segment(Canvas& canvas, const Vector3<float>& a_object, const Vector3<
     crossing.z() = near;
     (a.z() < near ? a : b) = crossing;
   }
-  const int pieces = canvas.camera.has_distortion() ? kLensPieces : 1;
-  for (int k = 0; k < pieces; ++k) {
-    const float t0 = static_cast<float>(k) / static_cast<float>(pieces);
-    const float t1 = static_cast<float>(k + 1) / static_cast<float>(pieces);
-    draw_piece(canvas, Vector3<float>(a + t0 * (b - a)), Vector3<float>(a + t1 * (b - a)));
+  const int pieces = count_pieces(canvas.camera, a, b);
+  Vector2<float> from;
+  bool from_seen = ok(canvas.camera.project(a, from));
+  for (int k = 1; k <= pieces; ++k) {
+    const float t = static_cast<float>(k) / static_cast<float>(pieces);
+    Vector2<float> to;
+    const bool to_seen = ok(canvas.camera.project(Vector3<float>(a + t * (b - a)), to));
+    if (from_seen && to_seen) draw_piece(canvas, from, to);
+    from = to;
+    from_seen = to_seen;
   }
 }
-
-struct EdgePieces {
-  Pieces pieces;  // empty: the edge is hidden
-  bool cut = false;
-};
 
 /// What is to be seen of the edges of part `p`.
 void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>& eye,
@@ -192,23 +227,37 @@ void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>
   }
 }
 
-/// One pass over the object: halos or lines.
-void draw_pass(const VirtualObject& object, const Vector3<float>& eye, Canvas& canvas,
-               DrawReport& report) {
+/// A piece of an edge that is to be seen.
+struct VisiblePiece {
+  std::uint8_t part;
+  std::uint8_t edge;
+  Piece piece;
+};
+using VisiblePieces = FixedVector<VisiblePiece, kMaxVisiblePieces>;
+
+void find_visible_pieces(const VirtualObject& object, const Vector3<float>& eye,
+                         VisiblePieces& visible, DrawReport& report) {
   for (int p = 0; p < object.parts.size(); ++p) {
     EdgePieces edges[ConvexPart::kMaxEdges];
     find_visible_edges(object, p, eye, edges);
-    const ConvexPart& part = object.parts[p];
-    for (int e = 0; e < part.edges.size(); ++e) {
-      const Vector3<float>& a = part.vertices[part.edges[e].a];
-      const Vector3<float>& b = part.vertices[part.edges[e].b];
+    for (int e = 0; e < object.parts[p].edges.size(); ++e) {
       report.edges += edges[e].pieces.empty() && !edges[e].cut ? 0 : 1;
       report.cut += edges[e].cut ? 1 : 0;
       for (const Piece& piece : edges[e].pieces) {
-        draw_segment(canvas, Vector3<float>(a + from_share(piece.begin) * (b - a)),
-                     Vector3<float>(a + from_share(piece.end) * (b - a)));
+        const VisiblePiece next{static_cast<std::uint8_t>(p), static_cast<std::uint8_t>(e), piece};
+        if (!visible.push_back(next)) ++report.left_out;
       }
     }
+  }
+}
+
+void draw_pieces(const VirtualObject& object, const VisiblePieces& visible, Canvas& canvas) {
+  for (const VisiblePiece& each : visible) {
+    const ConvexPart& part = object.parts[each.part];
+    const Vector3<float>& a = part.vertices[part.edges[each.edge].a];
+    const Vector3<float>& b = part.vertices[part.edges[each.edge].b];
+    draw_segment(canvas, Vector3<float>(a + from_share(each.piece.begin) * (b - a)),
+                 Vector3<float>(a + from_share(each.piece.end) * (b - a)));
   }
 }
 
@@ -229,12 +278,11 @@ Status draw_object(const VirtualObject& object, const Rigid<float>& T_world_obje
   const Rigid<float> T_camera_object = T_world_camera.inverse() * T_world_object;
   const Vector3<float> eye = T_camera_object.inverse().translation;
   DrawReport result;
+  VisiblePieces visible;
+  find_visible_pieces(object, eye, visible, result);
   for (int pass = style.halo_width_q8 > 0 ? 0 : 1; pass < 2; ++pass) {
     Canvas canvas{camera, T_camera_object, style, image, pass == 0, 0, 0, 0};
-    DrawReport pass_report;
-    draw_pass(object, eye, canvas, pass_report);
-    result.edges = pass_report.edges;
-    result.cut = pass_report.cut;
+    draw_pieces(object, visible, canvas);
     result.segments += canvas.segments;
     result.pixels += canvas.pixels;
     result.left_out += canvas.left_out;

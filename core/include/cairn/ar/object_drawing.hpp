@@ -27,13 +27,15 @@ struct DrawReport {
   int cut = 0;       ///< of these, edges of which a part was hidden by another convex part
   int segments = 0;  ///< straight pieces drawn, halos included
   int pixels = 0;    ///< written
-  int left_out = 0;  ///< pieces not drawn because the budget was spent
+  int left_out = 0;  ///< pieces not drawn because a limit was reached
 };
 
-/// Pieces into which an edge is cut where the lens bends lines.
+/// Most pieces into which an edge is cut where the lens bends it,
 inline constexpr int kLensPieces = 6;
-/// Most straight pieces that one pass (halos, lines) draws; further ones are left out.
-inline constexpr int kMaxSegments = 1536;
+/// and how far off the bent line a piece may be before there are more, px.
+inline constexpr float kLensBend = 0.125F;
+/// Most pieces of edges that are drawn; further ones are left out.
+inline constexpr int kMaxVisiblePieces = 256;
 
 /// Draws the wireframe of `object`, standing at T_world_object, as a camera at T_world_camera sees
 /// it, into an 8-bit image of the camera's size. Hidden lines are removed exactly: edges between
@@ -46,7 +48,8 @@ inline constexpr int kMaxSegments = 1536;
 /// kInvalidArgument: the view is invalid or not of the camera's size. kNonFiniteInput: a pose is
 /// not finite. kOutOfView: nothing to draw. The image is unchanged unless kOk. Cost: at most
 /// kMaxParts * kMaxEdges edges, each against kMaxParts shadows of at most 32 planes, and
-/// kMaxSegments lines no longer than the image's diagonal, twice with a halo.
+/// kMaxVisiblePieces lines (kLensPieces times as many where the lens bends them) no longer than the
+/// image's diagonal, twice with a halo.
 Status draw_object(const VirtualObject& object, const Rigid<float>& T_world_object,
                    const PinholeCamera<float>& camera, const Rigid<float>& T_world_camera,
                    const DrawStyle& style, const MutableImageView& image, DrawReport& report);
