@@ -103,10 +103,14 @@ int draw_span(const Pixels& pixels, std::int32_t low, std::int32_t high, std::ui
 /// v along a line at positions u that rise by one pixel: interpolate() without its division.
 class LineStep {
  public:
-  LineStep(std::int32_t v0, std::int32_t at, std::int32_t u0, std::int32_t rise, std::int32_t run)
+  LineStep(std::int32_t v0, std::int32_t from_u0, std::int32_t rise, std::int32_t run)
       : v0_(v0), run_(run), down_(rise < 0) {
     const std::int64_t size = down_ ? -static_cast<std::int64_t>(rise) : rise;
-    offset_ = divide(static_cast<std::int64_t>(at - u0) * size + run / 2, run);
+    offset_ = divide(from_u0 * size + run / 2, run);
+    if (offset_.rest < 0) {
+      offset_.rest += run;
+      --offset_.quotient;
+    }
     step_ = divide(kOne * size, run);
   }
   std::int32_t value() const { return down_ ? v0_ - offset_.quotient : v0_ + offset_.quotient; }
@@ -184,20 +188,13 @@ int draw_line(const MutableImageView& image, const LineQ8& line, int width_q8, s
   const std::ptrdiff_t v_step = steep ? 1 : image.stride;
   const int first = clamp(static_cast<int>((u0 + kOne / 2) >> 8), 0, u_count - 1);
   const int last = clamp(static_cast<int>((u1 + kOne / 2) >> 8), 0, u_count - 1);
-  const auto span = [&](int u, std::int32_t v) {
-    return draw_span({image.data + u * u_step, v_step, v_count}, v - half, v + half, grey);
-  };
-  if (u0 == u1) return span(first, v0);
-  const auto v_at = [&](int u) {
-    return interpolate(v0, clamp<std::int32_t>(u * kOne, u0, u1), u0, v1 - v0, u1 - u0);
-  };
-  int written = span(first, v_at(first));
-  if (first == last) return written;
-  LineStep line_step(v0, (first + 1) * kOne, u0, v1 - v0, u1 - u0);
-  for (int u = first + 1; u < last; ++u, line_step.advance()) {
-    written += span(u, line_step.value());
+  LineStep line_step(v0, first * kOne - u0, v1 - v0, u1 > u0 ? u1 - u0 : 1);
+  int written = 0;
+  for (int u = first; u <= last; ++u, line_step.advance()) {
+    const std::int32_t at = u * kOne;
+    const std::int32_t v = at <= u0 ? v0 : at >= u1 ? v1 : line_step.value();
+    written += draw_span({image.data + u * u_step, v_step, v_count}, v - half, v + half, grey);
   }
-  written += span(last, v_at(last));
   return written;
 }
 

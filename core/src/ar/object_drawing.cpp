@@ -165,9 +165,11 @@ int count_pieces(const PinholeCamera<float>& camera, const Vector3<float>& a,
     const float t = static_cast<float>(k) / 3.0F;
     if (!ok(camera.project(Vector3<float>(a + t * (b - a)), pixels[k]))) return kLensPieces;
   }
-  const float first = off_line(pixels[0], pixels[3], pixels[1]);
-  const float second = off_line(pixels[0], pixels[3], pixels[2]);
-  const float bend = first > second ? first : second;
+  float bend = 0.0F;
+  for (int k = 1; k < 3; ++k) {
+    const float off = off_line(pixels[0], pixels[3], pixels[k]);
+    if (off > bend) bend = off;
+  }
   int pieces = 1;
   while (pieces < kLensPieces && bend > kLensBend * static_cast<float>(pieces * pieces)) ++pieces;
   return pieces;
