@@ -1,51 +1,19 @@
 #pragma once
 
-#include <cstdint>
-
-#include "cairn/base/fixed_vector.hpp"
 #include "cairn/base/hash.hpp"
 #include "cairn/base/status.hpp"
 #include "cairn/estimation/observation.hpp"
 #include "cairn/numeric/math.hpp"
-#include "cairn/numeric/packed_symmetric.hpp"
-#include "cairn/window/epipolar_motion.hpp"
-#include "cairn/window/focal_belief.hpp"
 #include "cairn/window/inverse_depth_view.hpp"
-#include "cairn/window/schur_solve.hpp"
 #include "cairn/window/window_bounds.hpp"
+#include "cairn/window/window_equations.hpp"
+#include "cairn/window/window_focal.hpp"
+#include "cairn/window/window_graph.hpp"
+#include "cairn/window/window_parameters.hpp"
 #include "cairn/window/window_pose.hpp"
+#include "cairn/window/window_start.hpp"
 
 namespace cairn {
-
-template <class T>
-struct WindowParameters {
-  T sigma = T(0.0015);  ///< of a measured direction, each axis: pixels / focal length
-  T huber_sigma = T(1.5);
-  T outlier_sigma = T(4);          ///< observations farther off are forgotten
-  T first_inverse_depth = T(1);    ///< of landmarks while no depth is known
-  T depth_prior_sigma = T(0.5);    ///< of a new landmark, relative to its inverse depth
-  T sigma_factor = T(1.5);         ///< of an inverse depth, over what its own observations give
-  int iterations = 6;              ///< after a keyframe
-  int start_keyframes = 8;         ///< with parallax, up to which the start is checked,
-  T start_gain = T(0.7);           ///< and corrected where another motion costs less than this
-  T start_margin = T(3);           ///< share of the window's, less this
-  T focal_sigma = T(0.1);          ///< of the focal length, relative; 0: it is not estimated
-  T focal_factor = T(8);           ///< of its sigma, over what a window's pixels alone give
-  T focal_window_sigma = T(0.03);  ///< relative, of what one window says of it, at least
-
-  /// kBadConfig unless every value is finite and in its domain.
-  Status validate() const {
-    const bool good = is_positive(sigma) && is_positive(huber_sigma) &&
-                      is_positive(outlier_sigma) && is_positive(first_inverse_depth) &&
-                      is_positive(depth_prior_sigma) && is_positive(sigma_factor) &&
-                      iterations >= 1 && iterations <= 100 && start_keyframes >= 0 &&
-                      start_gain >= T(0) && start_gain <= T(1) && is_finite(start_margin) &&
-                      start_margin >= T(0) && is_finite(focal_sigma) && focal_sigma >= T(0) &&
-                      focal_sigma <= T(1) && is_positive(focal_factor) &&
-                      is_finite(focal_window_sigma) && focal_window_sigma >= T(0);
-    return good ? Status::kOk : Status::kBadConfig;
-  }
-};
 
 /// Sliding window of keyframes: poses and inverse depths that explain together where landmarks were
 /// seen, by Levenberg-Marquardt with the landmarks eliminated (Schur complement) and Huber's cost.
@@ -56,13 +24,12 @@ struct WindowParameters {
 ///
 /// From few views several reliefs and motions explain the picture nearly alike, and the priors lead
 /// to one that may be wrong. After each of the first keyframes the motion since an earlier one is
-/// therefore sought from the picture alone (estimate_epipolar_motion()); where it explains clearly
-/// more than the window does, the window begins anew from it, and stays with it where it then
-/// explains all keyframes better. What the window refused to explain is kept for this as doubted.
+/// therefore sought from the picture alone (WindowStart); where it explains clearly more than the
+/// window does, the window begins anew from it, and stays with it where it then explains all
+/// keyframes better. What the window refused to explain is kept for this as doubted.
 ///
 /// The focal length is estimated with them, as a factor on the one that the directions are measured
-/// with; what windows that left said of it is kept (FocalBelief). A pose that is fixed is so for a
-/// given focal length: it moves with it as it would have when it was estimated.
+/// with; what windows that left said of it is kept (WindowFocal).
 ///
 /// A gyroscope's turn from one keyframe to the next is one more observation, where it is given.
 ///
@@ -78,12 +45,8 @@ class KeyframeWindow {
   static constexpr int kKeyframes = Bounds::kKeyframes;
   static constexpr int kLandmarks = Bounds::kLandmarks;
   static constexpr int kPoses = Bounds::kPoses;
-  static constexpr int kMaxStates = 6 * (kKeyframes - 1) + 1;  ///< the last: the focal length
-  static_assert(kKeyframes >= 3 && kKeyframes <= 8, "observations are flagged in a byte");
-  static_assert(kPoses > kKeyframes && kPoses <= 127 && kLandmarks <= 1024, "bounds");
 
   using Parameters = WindowParameters<T>;
-  using System = PackedSymmetric<T, kMaxStates>;
 
   /// Starts anew, empty. kBadConfig, nothing changed.
   Status initialise(const Parameters& parameters);
@@ -124,7 +87,7 @@ class KeyframeWindow {
   void finish_keyframe(bool moved = true);
 
   /// Whether iterations are wanted.
-  bool working() const { return left_ > 0 || start_ != Start::kNoCheck; }
+  bool working() const { return left_ > 0 || start_.pending(); }
   /// Units of WorkBudget that step() takes.
   int step_work() const;
   /// One iteration, or a part of the start's check. Poses and depths may change, the newest
@@ -132,32 +95,34 @@ class KeyframeWindow {
   void step();
 
   /// The landmark is followed no more; it counts while two keyframes saw it.
-  void retire(int slot) { landmarks_[slot].live = false; }
+  void retire(int slot) { graph_.landmark(slot).live = false; }
 
-  int keyframes() const { return order_.size(); }
+  int keyframes() const { return graph_.keyframes(); }
   /// Keyframes since the start.
-  int started() const { return started_; }
+  int started() const { return graph_.started(); }
   /// Whether the start is no longer checked.
   bool settled() const { return anchored_ || moved_ > parameters_.start_keyframes; }
   /// Since clear(), how often the start was corrected.
-  int corrected() const { return corrected_; }
+  int corrected() const { return start_.corrected(); }
   /// The newest keyframe. Domain: there is one.
-  const Rigid<T>& newest_pose() const { return now().pose[slot_of_[order_.back()]]; }
+  const Rigid<T>& newest_pose() const { return solution_.pose[graph_.newest()]; }
   bool newest_sees(int slot, Vector2<T>& seen) const;
 
-  bool used(int slot) const { return landmarks_[slot].used; }
+  bool used(int slot) const { return graph_.landmark(slot).used; }
   /// Whether it is still to be followed.
-  bool live(int slot) const { return landmarks_[slot].used && landmarks_[slot].live; }
-  LandmarkId id(int slot) const { return landmarks_[slot].id; }
-  T inverse_depth(int slot) const { return now().rho[slot]; }  ///< in its host
-  T sigma(int slot) const { return landmarks_[slot].sigma; }   ///< of inverse_depth()
+  bool live(int slot) const { return graph_.landmark(slot).used && graph_.landmark(slot).live; }
+  LandmarkId id(int slot) const { return graph_.landmark(slot).id; }
+  T inverse_depth(int slot) const { return solution_.rho[slot]; }  ///< in its host
+  T sigma(int slot) const { return graph_.landmark(slot).sigma; }  ///< of inverse_depth()
   /// What estimate_window_pose() asks of a landmark, but for where it is seen.
   WindowSighting<T> sighting(int slot) const;
   /// Where a camera sees the landmark. False where it is behind it.
   bool project(int slot, const Rigid<T>& T_camera_world, Vector2<T>& seen) const;
   Vector3<T> position(int slot) const;  ///< world
   /// Inverse depth in a camera; 0 where the landmark is behind it.
-  T inverse_depth_in(int slot, const Rigid<T>& T_camera_world) const;
+  T inverse_depth_in(int slot, const Rigid<T>& T_camera_world) const {
+    return graph_.inverse_depth_in(solution_, slot, T_camera_world);
+  }
   /// Of a landmark that the newest keyframe sees first.
   T expected_inverse_depth();
   /// Median inverse depth, in a view, of the landmarks known to a third of their depth; 0 with
@@ -168,19 +133,24 @@ class KeyframeWindow {
   const Matrix<T, 6, 6>& newest_covariance() const { return newest_covariance_; }
   /// Of the keyframe that the others' poses are relative to: the newest of those that are fixed.
   int reference() const {
-    return slot_of_[order_[(order_.size() > fixed() ? fixed() : order_.size()) - 1]];
+    const int fixed = graph_.fixed();
+    return graph_.pose_at((graph_.keyframes() > fixed ? fixed : graph_.keyframes()) - 1);
   }
-  int newest() const { return slot_of_[order_.back()]; }
+  int newest() const { return graph_.newest(); }
 
   /// Focal length, as a factor on the one that was told, and its standard deviation.
-  T focal_scale() const { return now().focal; }
-  T focal_sigma() const { return focal_sigma_; }
+  T focal_scale() const { return solution_.focal; }
+  T focal_sigma() const { return focal_.sigma(); }
   /// How the newest keyframe's pose, a perturbation, follows from the focal scale.
-  const Vector<T, 6>& newest_by_focal() const { return by_focal_[newest()]; }
+  const Vector<T, 6>& newest_by_focal() const { return focal_.by_focal(newest()); }
 
   void hash(Hash64& hash) const;
 
  private:
+  using Graph = WindowGraph<T, Bounds>;
+  using Landmark = WindowLandmark<T>;
+  using Solution = WindowSolution<T, Bounds>;
+
   static constexpr T kFirstDamping = T(1e-4);
   // Units of step_work().
   static constexpr int kStepBase = 60;
@@ -188,138 +158,31 @@ class KeyframeWindow {
   static constexpr int kStepTenObservations = 11;   ///< of a landmark by a keyframe
   static constexpr int kStatesSquaredInUnit = 400;  ///< that eliminate a landmark from as many
   static constexpr int kStatesCubedInUnit = 500;    ///< of the solution
-  static constexpr int kJudgeStart = 110;
-  static constexpr int kSeekStart = 1400;
-  static constexpr int kTakeStart = 60;
-  static constexpr int kStartPose = 270;  ///< of a keyframe between
 
-  static constexpr int kStartPairs = kLandmarks < 64 ? kLandmarks : 64;  ///< at most
-  static constexpr int kLeastStartPairs = 24;
-  static constexpr T kStartRange = T(20);  ///< of depths to the typical one, either way
-
-  struct Landmark {
-    LandmarkId id = kNoLandmark;
-    Vector2<T> ray = Vector2<T>::Zero();
-    T prior = T(0);
-    T prior_sigma = T(0);
-    T sigma = T(0);
-    std::int8_t host = -1;     ///< slot of a pose
-    std::uint8_t seen = 0;     ///< a bit per place in the window
-    std::uint8_t doubted = 0;  ///< same; known to the start's check alone
-    bool used = false;
-    bool live = false;
-  };
-  enum class Start : std::uint8_t { kNoCheck, kJudge, kSeek, kTake };
-  /// What two keyframes both see.
-  struct StartView {
-    FixedVector<DirectionPair<T>, kStartPairs> pairs;
-    int slots[kStartPairs] = {};
-  };
-  /// All that an iteration changes.
-  struct Solution {
-    Rigid<T> pose[kPoses];
-    T rho[kLandmarks];
-    T focal = T(1);
-  };
-  using Reduced = LandmarkEquation<T, kMaxStates>;
-  /// The landmarks of a host, and the places in the window that see some of them.
-  struct Hosted {
-    std::int16_t slots[kLandmarks];
-    int count = 0;
-    std::uint8_t seen = 0;
-  };
-  /// How a keyframe is turned from the one before it in the window, by a gyroscope.
-  struct Turn {
-    bool known = false;
-    Quaternion<T> rotation = Quaternion<T>(T(1), T(0), T(0), T(0));  ///< R_present_before
-    T variance = T(1);
-  };
-
-  const Solution& now() const { return solution_; }
-  Solution& now() { return solution_; }
-  int place_of(int pose) const;
-  int free_place();
-  int free_pose();
-  void drop(int index);
-  void join_turns(int index);
-  int worst_keyframe(const Rigid<T>& newest) const;
-  int fixed() const { return started_ > kKeyframes ? 2 : 1; }
-  int pose_states() const { return order_.size() > fixed() ? 6 * (order_.size() - fixed()) : 0; }
-  bool estimates_focal() const { return belief_.uncertain() && pose_states() > 0; }
-  /// Weight of what is known of the focal length beside the window's observations.
-  T focal_weight() const { return focal_excess_ * belief_.information(); }
-  /// As told, and as the focal length is estimated.
-  Vector2<T> as_told(const Vector2<T>& direction) const { return now().focal * direction; }
-  Vector2<T> as_estimated(const Vector2<T>& told) const { return T(1) / now().focal * told; }
-  T focal_cost(const Solution& solution) const {
-    return T(0.5) * focal_weight() * square(solution.focal - belief_.mean());
+  WindowProblem<T, Bounds> problem() const {
+    return {graph_, focal_, parameters_.sigma, parameters_.huber_sigma};
   }
-  void number_states(int* states) const;
-  void move_fixed(const int* states, T focal_step, Solution& solution) const;
-  int observers(const Landmark& landmark) const;
-  void forget_unused();
-  T build(const Solution& solution, const int* states);
-  Hosted hosted_by(int host) const;
-  void add_pair(const Solution& solution, int host, const Hosted& hosted, int place,
-                const int* states, T& cost);
-  T cost_of(const Solution& solution) const;
-  Vector3<T> turn_left(const Solution& solution, int index, T& distance) const;
-  void add_turn(const Solution& solution, int index, const int* states, T& cost);
-  bool iterate(Solution& solution, T& damping, T& before, T& cost);
   void improve();
-  EpipolarOptions<T> start_options() const;
-  void common_view(int place, StartView& view) const;
-  void judge_start();
-  void seek_start();
-  void take_start();
-  void compare_start();
-  T start_depths(const StartView& view, T* rho);
-  void start_poses(const StartView& view, const T* rho);
-  void start_hosts(const StartView& view, const T* rho, T typical);
+  bool iterate(T& before, T& cost);
   void assess();
-  void assess_focal();
   void forget_outliers();
-  T prior_cost(const Solution& solution, int slot) const;
 
   Parameters parameters_;
-  Landmark landmarks_[kLandmarks] = {};
-  Vector2<T> observed_[kKeyframes][kLandmarks];
-  FixedVector<std::int8_t, kKeyframes> order_;  ///< places, oldest first
-  std::int8_t slot_of_[kKeyframes] = {};        ///< place to pose
-  Turn turns_[kKeyframes] = {};                 ///< of each place
-  bool pose_used_[kPoses] = {};
+  Graph graph_;
+  WindowFocal<T, Bounds> focal_;
+  WindowEquations<T, Bounds> equations_;
+  WindowStart<T, Bounds> start_;
   Solution solution_ = {};
-  Solution before_ = {};  ///< the start was corrected; what it was until the two are compared
-  bool compared_ = true;
-  int started_ = 0;
-  int moved_ = 0;  ///< keyframes, of those
-  int corrected_ = 0;
+  Solution trial_ = {};
+  Matrix<T, 6, 6> newest_covariance_ = Matrix<T, 6, 6>::Zero();
+  int moved_ = 0;       ///< keyframes whose camera moved, since the start
   int left_ = 0;        ///< iterations
   T new_depth_ = T(0);  ///< inverse, of the newest keyframe's own landmarks; 0: not yet known
   T damping_ = kFirstDamping;
-  Start start_ = Start::kNoCheck;
-  int start_from_ = 0;     ///< index of the keyframe that the start's motion is relative to
-  T start_cost_ = T(0);    ///< of the window's motion from it to the newest
-  Rigid<T> start_motion_;  ///< another one, translation of length 1
-  System system_;
-  T gradient_[kMaxStates] = {};
-  Reduced reduced_[kLandmarks];
-  System reduced_system_;
-  Solution trial_ = {};
-  Matrix<T, 6, 6> newest_covariance_ = Matrix<T, 6, 6>::Zero();
-  FocalBelief<T> belief_;
-  Vector<T, 6> by_focal_[kPoses];  ///< how a pose follows from the focal scale
-  T focal_sigma_ = T(0);
-  T focal_excess_ =
-      T(1);  ///< variance of what the window says of it, over that of its pixels alone
   bool anchored_ = false;
-  bool solved_ = false;  ///< reduced_system_ holds its factors
 };
 
 }  // namespace cairn
 
 #include "cairn/window/detail/keyframe_window_impl.hpp"
-#include "cairn/window/detail/window_equations.hpp"
 #include "cairn/window/detail/window_iteration.hpp"
-#include "cairn/window/detail/window_start.hpp"
-#include "cairn/window/detail/window_turns.hpp"

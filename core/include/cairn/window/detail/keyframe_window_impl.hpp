@@ -10,163 +10,63 @@ Status KeyframeWindow<T, Bounds>::initialise(const Parameters& parameters) {
   const Status status = parameters.validate();
   if (!ok(status)) return status;
   parameters_ = parameters;
-  belief_.reset(parameters.focal_sigma);
-  focal_sigma_ = parameters.focal_sigma;
+  focal_.reset(parameters.focal_sigma);
   clear();
   return Status::kOk;
 }
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::clear() {
-  for (Landmark& landmark : landmarks_) landmark = Landmark();
-  for (bool& used : pose_used_) used = false;
-  order_.clear();
-  belief_.leave_all();
-  focal_excess_ = square(parameters_.focal_factor);
-  solution_.focal = belief_.mean();
-  for (Vector<T, 6>& by_focal : by_focal_) by_focal.setZero();
-  started_ = moved_ = corrected_ = left_ = 0;
-  start_ = Start::kNoCheck;
-  compared_ = true;
-  anchored_ = false;
-  solved_ = false;
+  graph_.clear();
+  focal_.clear(parameters_.focal_factor);
+  equations_.forget();
+  start_.clear();
+  solution_.focal = focal_.mean();
   newest_covariance_.setZero();
-}
-
-/// The place of a pose in the window, -1 for a host that has left it.
-template <class T, class Bounds>
-int KeyframeWindow<T, Bounds>::place_of(int pose) const {
-  for (const std::int8_t place : order_) {
-    if (slot_of_[place] == pose) return place;
-  }
-  return -1;
-}
-
-template <class T, class Bounds>
-int KeyframeWindow<T, Bounds>::free_place() {
-  bool taken[kKeyframes] = {};
-  for (const std::int8_t place : order_) taken[place] = true;
-  int place = 0;
-  while (taken[place]) ++place;
-  return place;
-}
-
-/// With none free, the host outside the window with the fewest landmarks is given up, and they with
-/// it.
-template <class T, class Bounds>
-int KeyframeWindow<T, Bounds>::free_pose() {
-  int hosted[kPoses] = {};
-  for (const Landmark& landmark : landmarks_) {
-    if (landmark.used) ++hosted[landmark.host];
-  }
-  int best = -1;
-  for (int pose = 0; pose < kPoses; ++pose) {
-    if (place_of(pose) >= 0) continue;
-    if (best < 0 || hosted[pose] < hosted[best]) best = pose;
-  }
-  for (Landmark& landmark : landmarks_) {
-    if (landmark.used && landmark.host == best) landmark = Landmark();
-  }
-  pose_used_[best] = true;
-  by_focal_[best].setZero();
-  return best;
-}
-
-template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::drop(int index) {
-  const auto flag = static_cast<std::uint8_t>(1U << static_cast<unsigned>(order_[index]));
-  for (Landmark& landmark : landmarks_) {
-    landmark.seen = static_cast<std::uint8_t>(landmark.seen & ~flag);
-    landmark.doubted = static_cast<std::uint8_t>(landmark.doubted & ~flag);
-  }
-  belief_.leave(order_[index]);
-  join_turns(index);
-  for (int i = index; i + 1 < order_.size(); ++i) order_[i] = order_[i + 1];
-  order_.pop_back();
-}
-
-/// Index of the keyframe to drop before one at `newest`: one that sees next to nothing of what is
-/// followed, else the one with the largest distance score. The newest stays.
-template <class T, class Bounds>
-int KeyframeWindow<T, Bounds>::worst_keyframe(const Rigid<T>& newest) const {
-  constexpr int kFew = 5;
-  constexpr T kNear = T(1e-3);
-  const int count = order_.size();
-  Vector3<T> centre[kKeyframes];
-  for (int i = 0; i < count; ++i) {
-    centre[i] = now().pose[slot_of_[order_[i]]].inverse().translation;
-  }
-  const Vector3<T> here = newest.inverse().translation;
-  int worst = 0;
-  T most = T(-1);
-  for (int i = 0; i + 1 < count; ++i) {
-    int visible = 0;
-    for (const Landmark& landmark : landmarks_) {
-      visible += landmark.live && ((landmark.seen >> order_[i]) & 1) != 0 ? 1 : 0;
-    }
-    if (visible < kFew) return i;
-    T score = T(1) / (sqrt((centre[i] - here).squaredNorm()) + kNear);
-    for (int j = 0; j < count; ++j) {
-      if (j != i) score += T(1) / (sqrt((centre[i] - centre[j]).squaredNorm()) + kNear);
-    }
-    score *= sqrt(sqrt((centre[i] - here).squaredNorm()) + T(1e-6));
-    if (score > most) {
-      most = score;
-      worst = i;
-    }
-  }
-  return worst;
+  moved_ = left_ = 0;
+  anchored_ = false;
 }
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::begin_keyframe(const Rigid<T>& T_camera_world) {
-  if (order_.full()) drop(worst_keyframe(T_camera_world));
-  const int last = order_.empty() ? -1 : newest();
-  const int place = free_place();
-  const int pose = free_pose();
-  slot_of_[place] = static_cast<std::int8_t>(pose);
-  turns_[place].known = false;
-  order_.push_back(static_cast<std::int8_t>(place));
-  ++started_;
-  new_depth_ = T(0);
-  now().pose[pose] = T_camera_world;
-  start_ = Start::kNoCheck;
-  if (last >= 0) {
-    before_.pose[pose] = T_camera_world * now().pose[last].inverse() * before_.pose[last];
+  if (graph_.places().full()) {
+    const int index = graph_.worst_keyframe(solution_, T_camera_world);
+    focal_.leave(graph_.places()[index]);
+    graph_.drop(index);
   }
+  const int last = graph_.keyframes() > 0 ? graph_.newest() : -1;
+  const int pose = graph_.add_keyframe();
+  focal_.forget_pose(pose);
+  new_depth_ = T(0);
+  solution_.pose[pose] = T_camera_world;
+  start_.stop();
+  if (last >= 0) start_.add_keyframe(pose, last, T_camera_world * solution_.pose[last].inverse());
+}
+
+template <class T, class Bounds>
+void KeyframeWindow<T, Bounds>::set_turn(const Quaternion<T>& R_before_newest, T variance) {
+  graph_.set_turn(R_before_newest.conjugate(), variance);
 }
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::observe(int slot, const Vector2<T>& seen) {
-  const int place = order_.back();
-  observed_[place][slot] = as_told(seen);
-  Landmark& landmark = landmarks_[slot];
-  landmark.seen = static_cast<std::uint8_t>(landmark.seen | (1U << static_cast<unsigned>(place)));
+  graph_.observe(slot, solution_.as_told(seen));
 }
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::doubt(int slot, const Vector2<T>& seen) {
-  const int place = order_.back();
-  observed_[place][slot] = as_told(seen);
-  Landmark& landmark = landmarks_[slot];
-  landmark.doubted =
-      static_cast<std::uint8_t>(landmark.doubted | (1U << static_cast<unsigned>(place)));
+  graph_.doubt(slot, solution_.as_told(seen));
 }
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::amend(int slot, const Vector2<T>& seen) {
-  const int place = order_.back();
-  Landmark& landmark = landmarks_[slot];
-  if (!landmark.used || (((landmark.seen | landmark.doubted) >> place) & 1) == 0) return;
-  observed_[place][slot] = as_told(seen);
-  if (landmark.host == newest()) landmark.ray = observed_[place][slot];
+  graph_.amend(slot, solution_.as_told(seen));
 }
 
 template <class T, class Bounds>
 bool KeyframeWindow<T, Bounds>::newest_sees(int slot, Vector2<T>& seen) const {
-  const int place = order_.back();
-  if (!landmarks_[slot].used || ((landmarks_[slot].seen >> place) & 1) == 0) return false;
-  seen = as_estimated(observed_[place][slot]);
+  if (!graph_.newest_sees(slot)) return false;
+  seen = solution_.as_estimated(graph_.observed(graph_.places().back(), slot));
   return true;
 }
 
@@ -190,69 +90,55 @@ int KeyframeWindow<T, Bounds>::add_landmark(LandmarkId id, const Vector2<T>& see
 
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::add_host(const Rigid<T>& T_camera_world) {
-  const int pose = free_pose();
-  now().pose[pose] = before_.pose[pose] = T_camera_world;
-  anchored_ = anchored_ || started_ == 1;
+  const int pose = graph_.take_pose();
+  focal_.forget_pose(pose);
+  solution_.pose[pose] = T_camera_world;
+  start_.add_host(pose, T_camera_world);
+  anchored_ = anchored_ || started() == 1;
   return pose;
 }
 
 template <class T, class Bounds>
 int KeyframeWindow<T, Bounds>::add_known_landmark(LandmarkId id, int host, const Vector2<T>& ray,
                                                   T inverse_depth, T sigma) {
-  int slot = 0;
-  while (slot < kLandmarks && landmarks_[slot].used) ++slot;
-  if (slot == kLandmarks) return -1;
-  Landmark& landmark = landmarks_[slot];
-  landmark = Landmark();
+  Landmark landmark;
   landmark.id = id;
-  landmark.ray = as_told(ray);
+  landmark.ray = solution_.as_told(ray);
   landmark.host = static_cast<std::int8_t>(host);
   landmark.prior = inverse_depth;
-  landmark.prior_sigma = sigma;
-  landmark.sigma = sigma;
-  landmark.used = landmark.live = true;
-  now().rho[slot] = before_.rho[slot] = landmark.prior;
+  landmark.prior_sigma = landmark.sigma = sigma;
+  const int slot = graph_.add_landmark(landmark);
+  if (slot < 0) return slot;
+  solution_.rho[slot] = inverse_depth;
+  start_.add_landmark(slot, inverse_depth);
   return slot;
 }
 
 template <class T, class Bounds>
-int KeyframeWindow<T, Bounds>::observers(const Landmark& landmark) const {
-  int count = 0;
-  for (int place = 0; place < kKeyframes; ++place) count += (landmark.seen >> place) & 1;
-  return count;
-}
-
-template <class T, class Bounds>
-void KeyframeWindow<T, Bounds>::forget_unused() {
-  for (Landmark& landmark : landmarks_) {
-    if (landmark.used && !landmark.live && observers(landmark) < 2) landmark = Landmark();
-  }
-}
-
-template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::finish_keyframe(bool moved) {
-  forget_unused();
+  graph_.forget_unused();
   moved_ += moved ? 1 : 0;
-  if (started_ < 2) return;
+  if (started() < 2) return;
   left_ = parameters_.iterations;
-  if (moved && !settled()) start_ = Start::kJudge;
+  if (moved && !settled()) start_.begin();
 }
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::forget_outliers() {
   for (int slot = 0; slot < kLandmarks; ++slot) {
-    Landmark& landmark = landmarks_[slot];
+    Landmark& landmark = graph_.landmark(slot);
     if (!landmark.used) continue;
     int seen = 0;
     int bad = 0;
-    for (const std::int8_t place : order_) {
-      const int pose = slot_of_[place];
-      if (pose == landmark.host || ((landmark.seen >> place) & 1) == 0) continue;
+    for (const std::int8_t place : graph_.places()) {
+      const int pose = graph_.pose_of(place);
+      if (pose == landmark.host || !landmark.seen_at(place)) continue;
       ++seen;
       Vector2<T> expected;
       const T limit = parameters_.outlier_sigma * parameters_.sigma;
-      if (project(slot, now().pose[pose], expected) &&
-          (observed_[place][slot] - as_told(expected)).squaredNorm() <= limit * limit) {
+      if (project(slot, solution_.pose[pose], expected) &&
+          (graph_.observed(place, slot) - solution_.as_told(expected)).squaredNorm() <=
+              limit * limit) {
         continue;
       }
       ++bad;
@@ -266,13 +152,13 @@ void KeyframeWindow<T, Bounds>::forget_outliers() {
 
 template <class T, class Bounds>
 WindowSighting<T> KeyframeWindow<T, Bounds>::sighting(int slot) const {
-  const Landmark& landmark = landmarks_[slot];
-  const Rigid<T> T_world_host = now().pose[landmark.host].inverse();
+  const Landmark& landmark = graph_.landmark(slot);
+  const Rigid<T> T_world_host = solution_.pose[landmark.host].inverse();
   WindowSighting<T> s;
-  s.rho = now().rho[slot];
+  s.rho = solution_.rho[slot];
   s.sigma = landmark.sigma;
   s.host = T_world_host.translation;
-  const Vector2<T> ray = as_estimated(landmark.ray);
+  const Vector2<T> ray = solution_.as_estimated(landmark.ray);
   s.direction = T_world_host.rotation * Vector3<T>(ray.x(), ray.y(), T(1)) + s.rho * s.host;
   return s;
 }
@@ -281,18 +167,9 @@ template <class T, class Bounds>
 bool KeyframeWindow<T, Bounds>::project(int slot, const Rigid<T>& T_camera_world,
                                         Vector2<T>& seen) const {
   InverseDepthView<T> view;
-  const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
-  if (!view.project(step, as_estimated(landmarks_[slot].ray), now().rho[slot])) return false;
+  if (!graph_.view(solution_, slot, T_camera_world, view)) return false;
   seen = view.seen;
   return true;
-}
-
-template <class T, class Bounds>
-T KeyframeWindow<T, Bounds>::inverse_depth_in(int slot, const Rigid<T>& T_camera_world) const {
-  InverseDepthView<T> view;
-  const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
-  if (!view.project(step, as_estimated(landmarks_[slot].ray), now().rho[slot])) return T(0);
-  return now().rho[slot] / view.p.z();
 }
 
 template <class T, class Bounds>
@@ -307,28 +184,26 @@ T KeyframeWindow<T, Bounds>::typical_inverse_depth(const Rigid<T>& T_camera_worl
   constexpr T kKnown = T(0.3);
   FixedVector<T, kLandmarks> values;
   for (int slot = 0; slot < kLandmarks; ++slot) {
-    const T rho = now().rho[slot];
-    if (!live(slot) || !(landmarks_[slot].sigma < kKnown * rho)) continue;
+    const T rho = solution_.rho[slot];
+    if (!live(slot) || !(sigma(slot) < kKnown * rho)) continue;
     InverseDepthView<T> view;
-    const CameraStep<T> step(now().pose[landmarks_[slot].host], T_camera_world);
-    if (!view.project(step, as_estimated(landmarks_[slot].ray), rho)) continue;
-    values.push_back(rho / view.p.z());
+    if (graph_.view(solution_, slot, T_camera_world, view)) values.push_back(rho / view.p.z());
   }
   return values.size() < kFew ? T(0) : sort_for_median(values);
 }
 
 template <class T, class Bounds>
 void KeyframeWindow<T, Bounds>::hash(Hash64& hash) const {
-  for (const std::int8_t place : order_) {
-    const Rigid<T>& pose = now().pose[slot_of_[place]];
+  for (const std::int8_t place : graph_.places()) {
+    const Rigid<T>& pose = solution_.pose[graph_.pose_of(place)];
     for (int i = 0; i < 4; ++i) hash.add(pose.rotation.coeffs()(i));
     for (int i = 0; i < 3; ++i) hash.add(pose.translation(i));
   }
   for (int slot = 0; slot < kLandmarks; ++slot) {
-    if (!landmarks_[slot].used) continue;
-    hash.add(landmarks_[slot].id);
-    hash.add(now().rho[slot]);
-    hash.add(landmarks_[slot].sigma);
+    if (!used(slot)) continue;
+    hash.add(id(slot));
+    hash.add(inverse_depth(slot));
+    hash.add(sigma(slot));
   }
 }
 
