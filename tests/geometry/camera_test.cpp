@@ -143,7 +143,8 @@ TEST(CameraDistortion, ValidationKnowsTheFoldOfAnyPolynomial) {
   int accepted = 0;
   constexpr int kLenses = 3000;
   for (int i = 0; i < kLenses; ++i) {
-    const PinholeCamera<double> camera = lens(focal(random), k1(random), k2(random), k3(random));
+    const double drawn[] = {focal(random), k1(random), k2(random), k3(random)};
+    const PinholeCamera<double> camera = lens(drawn[0], drawn[1], drawn[2], drawn[3]);
     const double margin = reach(camera) / corner_radius(camera);
     if (margin > 0.999 && margin < 1.001) continue;  // the fold is at the corner
     const bool good = ok(camera.validate());

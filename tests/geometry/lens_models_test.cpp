@@ -221,8 +221,10 @@ TEST(RationalLens, ValidationKnowsTheFoldAndThePole) {
   int accepted = 0;
   constexpr int kLenses = 2000;
   for (int i = 0; i < kLenses; ++i) {
-    const PinholeCamera<double> c = rational(focal(random), k(random), k(random), 0.0, 0.0,
-                                             k(random), k(random), k(random), k(random));
+    const double f = focal(random);
+    const double drawn[] = {k(random), k(random), k(random), k(random), k(random), k(random)};
+    const PinholeCamera<double> c =
+        rational(f, drawn[0], drawn[1], 0.0, 0.0, drawn[2], drawn[3], drawn[4], drawn[5]);
     // The radius at which d first stops rising or its denominator is 0, by small steps.
     const double corner = std::hypot(std::max(c.cx, c.width - 1 - c.cx) / c.fx,
                                      std::max(c.cy, c.height - 1 - c.cy) / c.fy);

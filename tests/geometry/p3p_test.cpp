@@ -16,7 +16,7 @@ using test::PoseScene;
 template <class T>
 class P3p : public ::testing::Test {};
 using Scalars = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(P3p, Scalars);
+TYPED_TEST_SUITE(P3p, Scalars, );
 
 template <class T>
 struct Triangle {

@@ -17,7 +17,7 @@ using test::PoseScene;
 template <class T>
 class PoseRansac : public ::testing::Test {};
 using Scalars = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(PoseRansac, Scalars);
+TYPED_TEST_SUITE(PoseRansac, Scalars, );
 
 template <class T>
 struct Run {

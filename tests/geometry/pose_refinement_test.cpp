@@ -19,7 +19,7 @@ using test::PoseScene;
 template <class T>
 class PoseRefinement : public ::testing::Test {};
 using Scalars = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(PoseRefinement, Scalars);
+TYPED_TEST_SUITE(PoseRefinement, Scalars, );
 
 template <class T>
 Status refine(const PoseScene<T>& scene, const std::vector<PoseObservation<T>>& observations,

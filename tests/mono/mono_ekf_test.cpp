@@ -14,7 +14,7 @@ using test::MonoScene;
 template <class T>
 class MonoEkfContract : public ::testing::Test {};
 using Scalars = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(MonoEkfContract, Scalars);
+TYPED_TEST_SUITE(MonoEkfContract, Scalars, );
 
 TEST(MonoEkfSize, CovarianceOfThirtyFeaturesFitsThirtyKilobytes) {
   using Filter = MonoEkf<float, 30>;

@@ -29,7 +29,7 @@ struct Tolerance<double> {
 template <class T>
 class Elementary : public ::testing::Test {};
 using Scalars = ::testing::Types<float, double>;
-TYPED_TEST_SUITE(Elementary, Scalars);
+TYPED_TEST_SUITE(Elementary, Scalars, );
 
 TYPED_TEST(Elementary, SineAndCosineAgreeWithLibm) {
   for (int i = -20000; i <= 20000; ++i) {

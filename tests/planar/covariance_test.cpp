@@ -20,7 +20,7 @@ constexpr int kFramesPerMinute = 1800;
 template <class Filter>
 class Covariance : public ::testing::Test {};
 using Filters = ::testing::Types<GroupIekfSlam<float, 32, 3>, EkfSlam<float, 32, 3>>;
-TYPED_TEST_SUITE(Covariance, Filters);
+TYPED_TEST_SUITE(Covariance, Filters, );
 
 /// Each picture of a standing vehicle counted as new: what is measured for ever sinks below what
 /// float resolves beside what is never measured.

@@ -88,7 +88,7 @@ class ErrorModel : public ::testing::Test {
   int states() const { return model_.covariance().size(); }
 };
 using Models = ::testing::Types<World, Group, Lifted>;
-TYPED_TEST_SUITE(ErrorModel, Models);
+TYPED_TEST_SUITE(ErrorModel, Models, );
 
 /// C v is how far a landmark moves in the vehicle's axes when the mean is corrected by v.
 TYPED_TEST(ErrorModel, RelativeJacobianAgreesWithDifferences) {
@@ -203,7 +203,7 @@ ErrorVector<Group> difference(const Group& from, const Group& to) {
 template <class Model>
 class PredictedError : public ::testing::Test {};
 using WorldModels = ::testing::Types<World, Group>;
-TYPED_TEST_SUITE(PredictedError, WorldModels);
+TYPED_TEST_SUITE(PredictedError, WorldModels, );
 
 /// F P F^T + G Q G^T with F and G by differences of the motion itself.
 TYPED_TEST(PredictedError, TransitionAndNoiseAgreeWithDifferences) {

@@ -39,7 +39,7 @@ struct Pair {
       fixed.p2 = FixedTangent::nearest(within(-0.003, 0.003));
     }
     // A camera that looks ahead, turned by up to 20 degrees about any axis.
-    Vector3<double> axis(within(-1, 1), within(-1, 1), within(-1, 1));
+    Vector3<double> axis{within(-1, 1), within(-1, 1), within(-1, 1)};
     const double length = std::sqrt(axis.squaredNorm());
     const double half = within(0.0, 0.17);
     const Quaternion<double> turn(std::cos(half), std::sin(half) * axis.x() / length,

@@ -49,7 +49,7 @@ class LandmarkOnPath : public ::testing::Test {
 };
 
 using Filters = ::testing::Types<Ekf, Group>;
-TYPED_TEST_SUITE(LandmarkOnPath, Filters);
+TYPED_TEST_SUITE(LandmarkOnPath, Filters, );
 
 TYPED_TEST(LandmarkOnPath, RemembersThePositionExactly) {
   TypeParam filter;

@@ -81,7 +81,7 @@ class ObservationModel : public planar_test::PlanarFilter<Filter> {
     return hash.value();
   }
 };
-TYPED_TEST_SUITE(ObservationModel, planar_test::Filters);
+TYPED_TEST_SUITE(ObservationModel, planar_test::Filters, );
 
 TYPED_TEST(ObservationModel, OneRowCountsAsOneMeasurement) {
   UpdateReport report;

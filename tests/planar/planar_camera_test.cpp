@@ -203,7 +203,7 @@ template <class Filter>
 class PlanarCameraFilter : public ::testing::Test {};
 using Filters = ::testing::Types<EkfSlam<double, 60, 3>, GroupIekfSlam<double, 60, 3>,
                                  LiftedIekfSlam<double, 60, 3>>;
-TYPED_TEST_SUITE(PlanarCameraFilter, Filters);
+TYPED_TEST_SUITE(PlanarCameraFilter, Filters, );
 
 TYPED_TEST(PlanarCameraFilter, RejectsWrongMatches) {
   CameraSettings settings;

@@ -25,7 +25,7 @@ std::uint64_t hash_of(const Filter& filter) {
   return hash.value();
 }
 
-TYPED_TEST_SUITE(PlanarFilter, planar_test::Filters);
+TYPED_TEST_SUITE(PlanarFilter, planar_test::Filters, );
 
 TYPED_TEST(PlanarFilter, AddsUpdatesAndRemovesLandmarks) {
   this->run(0, 300);

@@ -17,7 +17,7 @@ using planar_test::WorldSettings;
 
 template <class Filter>
 using PlanarReacquisition = planar_test::PlanarFilter<Filter>;
-TYPED_TEST_SUITE(PlanarReacquisition, planar_test::Filters);
+TYPED_TEST_SUITE(PlanarReacquisition, planar_test::Filters, );
 
 /// Odometry with a turn error far beyond its stated noise, and no landmark for 20 s: without
 /// re-acquisition the gate rejects all landmarks for ever, with it the filter recovers.

@@ -62,7 +62,7 @@ class Relinearisation : public ::testing::Test {
 
 using Filters = ::testing::Types<EkfSlam<double, 8, 3>, GroupIekfSlam<double, 8, 3>,
                                  LiftedIekfSlam<double, 8, 3>>;
-TYPED_TEST_SUITE(Relinearisation, Filters);
+TYPED_TEST_SUITE(Relinearisation, Filters, );
 
 TYPED_TEST(Relinearisation, LeavesOutWhatHasNoPixelAndUsesTheOthersOnce) {
   std::array<PixelMatch<double>, 4> matches = {this->match(0), this->match(1), this->match(2),

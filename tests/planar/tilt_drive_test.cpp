@@ -69,7 +69,7 @@ Consistency drive(int runs, const TiltParameters<double>& known, double tilt_sca
     parameters.gate = 18.42;
     PlanarPose<double> start;
     EXPECT_TRUE(ok(filter.initialise(start, Matrix3<double>::Identity() * 1e-6, parameters)));
-    Vector3<double> truth(street.normal(1e-3), street.normal(1e-3), street.normal(1e-3));
+    Vector3<double> truth{street.normal(1e-3), street.normal(1e-3), street.normal(1e-3)};
     VehicleTilt<double> tilt{tilt_scale * street.normal(body.sigma_pitch_rad),
                              tilt_scale * street.normal(body.sigma_roll_rad)};
     Random random(run);
@@ -115,7 +115,7 @@ Consistency drive(int runs, const TiltParameters<double>& known, double tilt_sca
         PixelMatch<double> match;
         match.id = id;
         match.slot = slot;
-        match.pixel = pixel + Vector2<double>(street.normal(kPixel), street.normal(kPixel));
+        match.pixel = pixel + Vector2<double>{street.normal(kPixel), street.normal(kPixel)};
         matches.push_back(match);
       }
       UpdateReport report;
@@ -136,7 +136,7 @@ Consistency drive(int runs, const TiltParameters<double>& known, double tilt_sca
         if (filter.landmark_count() >= 20) break;
         const Vector3<double> y = T_vehicle_world * street.points[i];
         const Vector3<double> seen =
-            y + Vector3<double>(street.normal(0.1), street.normal(0.05), street.normal(0.05));
+            y + Vector3<double>{street.normal(0.1), street.normal(0.05), street.normal(0.05)};
         const Matrix3<double> R = Vector3<double>(0.01, 0.0025, 0.0025).asDiagonal();
         in_map[i] = ok(filter.add_landmark(static_cast<LandmarkId>(i + 1), seen, R));
       }
@@ -164,7 +164,7 @@ Consistency drive(int runs, const TiltParameters<double>& known, double tilt_sca
 template <class Filter>
 class TiltedDrive : public ::testing::Test {};
 using Filters = ::testing::Types<Group, Ekf>;
-TYPED_TEST_SUITE(TiltedDrive, Filters);
+TYPED_TEST_SUITE(TiltedDrive, Filters, );
 
 /// Errors of one drive go together: 40 drives bound the mean NEES to about a seventh of itself.
 TYPED_TEST(TiltedDrive, PoseAndTiltAreAsUncertainAsTheySay) {

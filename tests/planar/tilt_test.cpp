@@ -119,7 +119,7 @@ class TiltModel : public ::testing::Test {
   }
 };
 using Models = ::testing::Types<GroupErrorModel<double, 4, 3>, WorldErrorModel<double, 4, 3>>;
-TYPED_TEST_SUITE(TiltModel, Models);
+TYPED_TEST_SUITE(TiltModel, Models, );
 
 TYPED_TEST(TiltModel, RowsAgreeWithDifferences) {
   for (int slot = 0; slot < 3; ++slot) {
@@ -214,7 +214,7 @@ TYPED_TEST(TiltModel, TheTiltItWasSeenAtCancels) {
 template <class Filter>
 class TiltFilter : public ::testing::Test {};
 using Filters = ::testing::Types<Group, Ekf>;
-TYPED_TEST_SUITE(TiltFilter, Filters);
+TYPED_TEST_SUITE(TiltFilter, Filters, );
 
 TYPED_TEST(TiltFilter, TiltReturnsToZeroWithItsStationaryVariance) {
   TypeParam filter = tilting_filter<TypeParam>();

@@ -60,8 +60,8 @@ struct Hand {
       done_us = t_us;
       gyro.take_frame(t_us);
       SeenAttitude seen;
-      seen.R_world_camera = truth * rotation_exp(Vector3<float>(
-                                        noise(sigma_seen), noise(sigma_seen), noise(sigma_seen)));
+      const Vector3<float> turned{noise(sigma_seen), noise(sigma_seen), noise(sigma_seen)};
+      seen.R_world_camera = truth * rotation_exp(turned);
       seen.variance = square(sigma_seen);
       gyro.note_pose(seen);
     }

@@ -77,7 +77,7 @@ class MapAlignmentTest : public testing::Test {
 };
 
 using Filters = testing::Types<EkfSlam<float, 24, 3>, GroupIekfSlam<float, 24, 3>>;
-TYPED_TEST_SUITE(MapAlignmentTest, Filters);
+TYPED_TEST_SUITE(MapAlignmentTest, Filters, );
 
 TYPED_TEST(MapAlignmentTest, IsTheWorldUntilTheMapIsSeen) {
   this->add_landmarks(0, kCount);

@@ -73,7 +73,9 @@ class Drive {
     const float yaw_rate = 0.15F + 0.25F * sine;
     move(pose_, 0.6F, yaw_rate);
     OdometryStep step;
-    move(path_, 0.6F + noise * 0.1F * normal(random_), yaw_rate + noise * 0.05F * normal(random_));
+    const float speed_read = 0.6F + noise * 0.1F * normal(random_);
+    const float yaw_rate_read = yaw_rate + noise * 0.05F * normal(random_);
+    move(path_, speed_read, yaw_rate_read);
     step.path = path_;
     step.yaw_variance = square(noise * 0.05F * kStep_s);
     step.tilt_variance = 2.0F * square(truth_.sigma_tilt);
@@ -83,8 +85,8 @@ class Drive {
   }
 
   int see(PixelMatch<float>* matches) {
-    const Vector3<float> tilt(truth_.sigma_tilt * normal(random_),
-                              truth_.sigma_tilt * normal(random_), 0.0F);
+    const Vector3<float> tilt{truth_.sigma_tilt * normal(random_),
+                              truth_.sigma_tilt * normal(random_), 0.0F};
     Rigid<float> T_world_vehicle;
     T_world_vehicle.rotation =
         rotation_exp(Vector3<float>(0.0F, 0.0F, pose_.heading)) * rotation_exp(tilt);
@@ -104,7 +106,7 @@ class Drive {
       if (p_camera.z() > 7.0F || !ok(camera.project(p_camera, pixel))) continue;
       if (!camera.contains(pixel)) continue;
       matches[seen].id = static_cast<LandmarkId>(i + 1);
-      matches[seen].pixel = pixel + 0.5F * Vector2<float>(normal(random_), normal(random_));
+      matches[seen].pixel = pixel + 0.5F * Vector2<float>{normal(random_), normal(random_)};
       ++seen;
     }
     return seen;

@@ -25,13 +25,13 @@ struct TwoViews {
     };
     for (int i = 0; i < kPoints;) {
       const T z = within(0.5, 4.0);
-      const Vector3<T> p(z * within(-0.55, 0.55), z * within(-0.4, 0.4), z);
+      const Vector3<T> p{z * within(-0.55, 0.55), z * within(-0.4, 0.4), z};
       const Vector3<T> q = motion * p;
       if (q.z() < T(0.1)) continue;
       const auto noise = [&] { return within(-0.5 * kSigma, 0.5 * kSigma); };
-      pairs[i].first = Vector2<T>(p.x() / p.z() + noise(), p.y() / p.z() + noise());
-      pairs[i].second = Vector2<T>(q.x() / q.z() + noise(), q.y() / q.z() + noise());
-      if (i < wrong) pairs[i].second += Vector2<T>(within(-0.06, 0.06), within(-0.06, 0.06));
+      pairs[i].first = Vector2<T>{p.x() / p.z() + noise(), p.y() / p.z() + noise()};
+      pairs[i].second = Vector2<T>{q.x() / q.z() + noise(), q.y() / q.z() + noise()};
+      if (i < wrong) pairs[i].second += Vector2<T>{within(-0.06, 0.06), within(-0.06, 0.06)};
       rho[i++] = T(1) / z;
     }
   }

@@ -37,7 +37,7 @@ struct TurnedDrive {
     if (variance > T(0)) window.set_turn(turn(frame - 1, frame), variance);
     for (int i = 0; i < Scene::kPoints; ++i) {
       const Vector2<T> seen =
-          scene.seen(i, Scene::pose(frame)) + Vector2<T>(noise(sigma), noise(sigma));
+          scene.seen(i, Scene::pose(frame)) + Vector2<T>{noise(sigma), noise(sigma)};
       if (frame == 0) {
         slots[i] = window.add_landmark(static_cast<LandmarkId>(i + 1), seen);
       } else if (window.used(slots[i])) {

@@ -212,7 +212,7 @@ struct Parameterised {
 #define TEST(suite, name) CAIRN_TEST_BODY(suite, name, ::testing::Test)
 #define TEST_F(suite, name) CAIRN_TEST_BODY(suite, name, suite)
 
-#define TYPED_TEST_SUITE(suite, list) using suite##_types = list
+#define TYPED_TEST_SUITE(suite, list, ...) using suite##_types = list
 #define TYPED_TEST(suite, name)                                                              \
   template <class Parameter>                                                                 \
   class CAIRN_TEST_CLASS(suite, name) : public suite<Parameter> {                            \
