@@ -1,12 +1,25 @@
 #include "cairn/planar/increment.hpp"
 
 #include "cairn/numeric/math.hpp"
+#include "cairn/planar/types.hpp"
 
 namespace cairn {
 namespace {
 
 template <class T>
 constexpr T kLargestSteering = T(1.4);
+
+/// What is said to be less sure than the filters reckon with counts as that; not finite, it stays.
+template <class T>
+void limit_covariance(Matrix2<T>& covariance) {
+  const T most[2] = {kMostPositionVariance<T>, kMostHeadingVariance<T>};
+  for (int i = 0; i < 2; ++i) {
+    if (!(covariance(i, i) > most[i])) continue;
+    covariance(0, 1) *= sqrt(most[i] / covariance(i, i));
+    covariance(1, 0) = covariance(0, 1);
+    covariance(i, i) = most[i];
+  }
+}
 
 /// Turns (v, omega) noise into (distance, turn) noise; for the exact arc the distance becomes that
 /// of the chord, d sin(a/2) / (a/2), and its noise follows.
@@ -17,7 +30,10 @@ PlanarIncrement<T> finish(T distance, T turn, const Matrix2<T>& covariance, Incr
   increment.turn_rad = turn;
   increment.covariance = covariance;
   increment.model = model;
-  if (model == IncrementModel::kEuler) return increment;
+  if (model == IncrementModel::kEuler) {
+    limit_covariance(increment.covariance);
+    return increment;
+  }
 
   const T half = T(0.5) * turn;
   T ratio = T(1) - half * half / T(6);
@@ -38,6 +54,7 @@ PlanarIncrement<T> finish(T distance, T turn, const Matrix2<T>& covariance, Incr
   const Matrix2<T> scaled = jacobian * covariance;
   increment.covariance = scaled * jacobian.transpose();
   increment.covariance(1, 0) = increment.covariance(0, 1);
+  limit_covariance(increment.covariance);
   return increment;
 }
 
@@ -105,7 +122,8 @@ Status validate(const PlanarIncrement<T>& increment) {
     return Status::kInvalidArgument;
   }
   const T product = q(0, 0) * q(1, 1);
-  if (q(0, 0) < T(0) || q(1, 1) < T(0) || q(0, 1) != q(1, 0) ||
+  if (q(0, 0) < T(0) || q(1, 1) < T(0) || q(0, 0) > kMostPositionVariance<T> ||
+      q(1, 1) > kMostHeadingVariance<T> || q(0, 1) != q(1, 0) ||
       q(0, 1) * q(0, 1) > product * T(1.0001)) {
     return Status::kInvalidArgument;
   }

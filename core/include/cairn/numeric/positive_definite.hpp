@@ -34,26 +34,30 @@ bool factor_semidefinite(PackedSymmetric<T, Capacity>& a) {
   return true;
 }
 
-/// Whether every variance is finite and not negative.
+/// A variance beyond this says nothing, and its products come near the end of float.
+template <class T>
+inline constexpr T kMostVariance = T(1e16);
+
+/// Whether every variance is neither negative nor beyond kMostVariance.
 template <class T, int Capacity>
 bool variances_sound(const PackedSymmetric<T, Capacity>& p) {
   bool sound = true;
   for (int i = 0; i < p.size(); ++i) {
     const T variance = p.row(i)[i];
-    sound = sound && variance >= T(0) && is_finite(variance);
+    sound = sound && variance >= T(0) && variance <= kMostVariance<T>;
   }
   return sound;
 }
 
-/// Forgets all correlations and keeps the variances, 1 where there is none: less sure than before,
-/// and sound.
+/// Forgets all correlations and keeps the variances up to kMostVariance, 1 where there is none:
+/// less sure than before, and sound.
 template <class T, int Capacity>
 void forget_correlations(PackedSymmetric<T, Capacity>& p) {
   for (int i = 0; i < p.size(); ++i) {
     T* row = p.row(i);
     for (int j = 0; j < i; ++j) row[j] = T(0);
     const T size = abs(row[i]);
-    row[i] = is_finite(size) && size > T(0) ? size : T(1);
+    row[i] = size > T(0) ? (size < kMostVariance<T> ? size : kMostVariance<T>) : T(1);
   }
 }
 

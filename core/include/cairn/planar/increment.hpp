@@ -28,7 +28,8 @@ struct PlanarIncrement {
 /// Increment of an Ackermann (car-like) vehicle, paper A (3) to (6): distance v dt, turn
 /// v dt tan(phi) / wheelbase; noise of speed and steering to first order (a full 2x2: the speed
 /// noise turns the vehicle too). Units: m/s, rad, s, m. Domain: |phi| <= 1.4, dt >= 0, wheelbase >
-/// 0, sigmas >= 0; outside of it predict() refuses the increment.
+/// 0, sigmas >= 0; outside of it predict() refuses the increment. Variances are limited to
+/// kMostPositionVariance and kMostHeadingVariance.
 template <class T>
 PlanarIncrement<T> ackermann_increment(T v, T phi, T dt, T wheelbase, T sigma_v, T sigma_phi,
                                        IncrementModel model = IncrementModel::kEuler);
@@ -49,7 +50,8 @@ template <class T>
 Displacement<T> displacement(const PlanarIncrement<T>& increment);
 
 /// kNonFiniteInput, or kInvalidArgument when |distance| > 1e4 m, |turn| > pi, or the covariance is
-/// not a symmetric positive semi-definite matrix.
+/// not a symmetric positive semi-definite matrix up to kMostPositionVariance and
+/// kMostHeadingVariance.
 template <class T>
 Status validate(const PlanarIncrement<T>& increment);
 

@@ -46,8 +46,7 @@ class PixelUpdate;
 ///   relative_scale                    and the variances that it is a difference of
 ///   retraction, relative_after        the relative vector if a correction d were applied
 ///   correct                           applies d to the mean
-///   append_..., remove_landmark,      the map; see error_model/landmark_insertion.hpp
-///   widen_landmark
+///   append_..., remove_..., widen_... the map; see error_model/landmark_insertion.hpp
 ///   mean_..., pose..., landmark_...   what is read out
 /// A model with kDefersNoise holds noise back: deferred_noise(), deferred_noise_absorbed(). One
 /// with kTurnsAboutAnchor has errors about an anchor, which can be moved: bends(), move_anchor().
@@ -70,8 +69,8 @@ class PlanarSlam {
   using LandmarkMatrix = Matrix<Scalar, kLandmarkDim, kLandmarkDim>;
 
   /// Starts an empty map at `pose` with `covariance` over (x, y, heading) in m^2, m rad, rad^2.
-  /// Errors: kNonFiniteInput, kInvalidArgument (not symmetric or not positive semi-definite, a
-  /// heading beyond 1e4 rad), kBadConfig.
+  /// Errors: kNonFiniteInput, kInvalidArgument (not symmetric or positive semi-definite, heading
+  /// beyond 1e4 rad, variances beyond kMostPositionVariance, kMostHeadingVariance), kBadConfig.
   Status initialise(const PlanarPose<Scalar>& pose, const Matrix3<Scalar>& covariance,
                     const PlanarParameters<Scalar>& parameters = PlanarParameters<Scalar>{});
 
@@ -148,8 +147,8 @@ class PlanarSlam {
   /// Adds a landmark seen at `y_vehicle` (m, vehicle frame; third component: height above the
   /// ground) with noise covariance `R`. In a full map the landmark of PlanarParameters'
   /// replace_after makes room; `replaced`, if given, gets its id (or kNoLandmark). Errors:
-  /// kNotInitialised, kInvalidArgument (id 0, R not positive definite, farther than 1e5 m),
-  /// kNonFiniteInput, kDuplicate, kFull. Cost: 6 multiply-adds a state and coordinate.
+  /// kNotInitialised, kInvalidArgument (id 0, R not positive definite, a variance of it beyond
+  /// 1e10 m^2, farther than 1e5 m), kNonFiniteInput, kDuplicate, kFull. Cost: 6 n a coordinate.
   Status add_landmark(LandmarkId id, const LandmarkVector& y_vehicle, const LandmarkMatrix& R,
                       LandmarkId* replaced = nullptr);
 
@@ -162,7 +161,7 @@ class PlanarSlam {
   /// place in the vehicle frame depends on that path: d y / d (x - x_past) = `by_path`, all in the
   /// vehicle frame; R is the noise that does not. The error of the path, which all landmarks
   /// triangulated over it share, enters through the states' covariance. Errors: as add_landmark(),
-  /// kNotFound (no such position).
+  /// kInvalidArgument (`by_path` beyond 1e5), kNotFound (no such position).
   Status add_landmark_on_path(LandmarkId id, const LandmarkVector& y_vehicle,
                               const LandmarkMatrix& R, LandmarkId past,
                               const Matrix<Scalar, kLandmarkDim, 2>& by_path,
@@ -212,7 +211,7 @@ class PlanarSlam {
   /// Forgets a landmark; the last one moves into its slot. kNotFound when there is no such slot.
   Status remove_landmark(int slot);
 
-  /// Adds independent noise to the pose: variances in m^2 (per axis) and rad^2.
+  /// Adds independent noise to the pose: variances in m^2 (per axis) and rad^2, the most at most.
   Status widen_pose(Scalar position_variance, Scalar heading_variance);
 
   /// A pose as odometry left it: what place() changes.
@@ -310,6 +309,7 @@ class PlanarSlam {
                             T sigma_px) const;
   bool tells_nothing_new(int count, UpdateReport& report);
   void end_rest();
+  void widen(T position_variance, T heading_variance);
   void refuse(int slot, UpdateReport& report);
   void apply_update(int first, int count, UpdateReport& report, bool deviates = false);
   void finish_update(int used, UpdateReport& report);

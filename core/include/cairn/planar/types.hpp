@@ -9,6 +9,20 @@
 
 namespace cairn {
 
+/// Variances up to which the planar filters reckon, m^2 and rad^2: far beyond what a vehicle or its
+/// map can be unsure by, and so small that no product of them overflows.
+template <class T>
+inline constexpr T kMostPositionVariance = T(1e10);
+template <class T>
+inline constexpr T kMostHeadingVariance = T(1e4);
+
+namespace detail {
+template <class T>
+constexpr T at_most(T variance, T most) {
+  return variance > most ? most : variance;
+}
+}  // namespace detail
+
 /// Pose of the vehicle in the world: position in m (x east, y north), heading in rad, wrapped to
 /// (-pi, pi], zero along x, positive to the left.
 template <class T>

@@ -8,9 +8,9 @@ namespace cairn::detail {
 /// Watches that a model's covariance stays positive semi-definite, and mends it where the rounding
 /// noise of WhitenedUpdate was not enough: the last resort. Every intervention is counted.
 ///
-/// After each update it looks at the variances of all states, and at the joint covariance of the
-/// vehicle and two landmarks for kPairs pairs, others each time: all of them in turn.
-/// Cost: n comparisons and about 200 multiply-adds for each pair.
+/// After each update it looks at the variances of all states and, where landmarks are points of the
+/// world, at the joint covariance of the vehicle and two of them for kPairs pairs, others each
+/// time: all of them in turn. Cost: n comparisons and about 200 multiply-adds for each pair.
 template <class Model>
 class CovarianceGuard {
   using T = typename Model::Scalar;
@@ -25,16 +25,19 @@ class CovarianceGuard {
   }
 
   /// Checks and mends after an update. `singular`: an innovation covariance was not positive
-  /// definite, which a sound covariance cannot give.
+  /// definite, which a sound covariance cannot give where landmarks are points of the world.
   void check(Model& model, bool singular, Health& health) {
-    bool sound = !singular && variances_sound(model.covariance());
-    const int count = model.landmark_count();
-    for (int k = 0; k < kPairs && sound && count > 1; ++k) {
-      next_pair(count);
-      if (pair_sound(model)) continue;
-      ++health.covariance_repairs;
-      raise_variances(model);
-      sound = pair_sound(model);
+    bool sound = variances_sound(model.covariance());
+    if constexpr (Model::kHasWorldLandmarks) {
+      sound = sound && !singular;
+      const int count = model.landmark_count();
+      for (int k = 0; k < kPairs && sound && count > 1; ++k) {
+        next_pair(count);
+        if (pair_sound(model)) continue;
+        ++health.covariance_repairs;
+        raise_variances(model);
+        sound = pair_sound(model);
+      }
     }
     if (sound) return;
     forget_correlations(model.covariance());

@@ -22,6 +22,8 @@ Status PlanarSlam<ErrorModel>::check_start(const PlanarPose<T>& pose, const Matr
         return Status::kInvalidArgument;
       }
     }
+    const T most = i < 2 ? kMostPositionVariance<T> : kMostHeadingVariance<T>;
+    if (covariance(i, i) > most) return Status::kInvalidArgument;
   }
   if (abs(pose.heading) > T(1e4)) return Status::kInvalidArgument;
   const PlanarParameters<T>& p = parameters;
@@ -66,11 +68,17 @@ Status PlanarSlam<ErrorModel>::predict(const PlanarIncrement<T>& increment) {
   if (reacquisition_.take()) {
     end_rest();
     const T scale = static_cast<T>(1 << (reacquisition_.steps() - 1));
-    model_.widen_pose(square(scale * parameters_.reacquire_position_m),
-                      square(scale * parameters_.reacquire_heading_rad));
+    widen(square(scale * parameters_.reacquire_position_m),
+          square(scale * parameters_.reacquire_heading_rad));
     ++health_.reacquisitions;
   }
   return Status::kOk;
+}
+
+template <class ErrorModel>
+void PlanarSlam<ErrorModel>::widen(T position_variance, T heading_variance) {
+  model_.widen_pose(detail::at_most(position_variance, kMostPositionVariance<T>),
+                    detail::at_most(heading_variance, kMostHeadingVariance<T>));
 }
 
 template <class ErrorModel>
@@ -116,7 +124,7 @@ Status PlanarSlam<ErrorModel>::widen_pose(T position_variance, T heading_varianc
   if (!is_finite(position_variance) || !is_finite(heading_variance)) return Status::kNonFiniteInput;
   if (position_variance < T(0) || heading_variance < T(0)) return Status::kInvalidArgument;
   end_rest();
-  model_.widen_pose(position_variance, heading_variance);
+  widen(position_variance, heading_variance);
   return Status::kOk;
 }
 

@@ -22,7 +22,8 @@ Status PlanarSlam<ErrorModel>::check_landmark(const LandmarkVector& p,
   }
   if (!positive_definite(covariance)) return Status::kInvalidArgument;
   for (int i = 0; i < kLandmarkDim; ++i) {
-    if (abs(p(i)) > detail::kFarthestLandmark<T>) return Status::kInvalidArgument;
+    const bool far = abs(p(i)) > detail::kFarthestLandmark<T>;
+    if (far || covariance(i, i) > kMostPositionVariance<T>) return Status::kInvalidArgument;
   }
   return Status::kOk;
 }
@@ -103,6 +104,9 @@ Status PlanarSlam<ErrorModel>::add_landmark_on_path(LandmarkId id, const Landmar
   const Status valid = check_landmark(y_vehicle, R);
   if (!ok(valid)) return valid;
   if (!all_finite(by_path)) return Status::kNonFiniteInput;
+  for (int i = 0; i < 2 * kLandmarkDim; ++i) {
+    if (abs(by_path(i / 2, i % 2)) > detail::kFarthestLandmark<T>) return Status::kInvalidArgument;
+  }
   if (find(past) < 0) return Status::kNotFound;
   const Status status = make_room(id, replaced);
   if (!ok(status)) return status;
@@ -202,7 +206,8 @@ Status PlanarSlam<ErrorModel>::drift_world(T position_variance, T heading_varian
     return Status::kInvalidArgument;
   }
   if constexpr (ErrorModel::kTurnsAboutAnchor) {
-    model_.drift_world(position_variance, heading_variance);
+    model_.drift_world(detail::at_most(position_variance, kMostPositionVariance<T>),
+                       detail::at_most(heading_variance, kMostHeadingVariance<T>));
   }
   return Status::kOk;
 }
@@ -245,7 +250,9 @@ Status PlanarSlam<ErrorModel>::widen_frame(LandmarkId origin, LandmarkId ahead, 
       return Status::kInvalidArgument;
     }
     end_rest();
-    detail::widen_frame(model_, at_origin, at_ahead, position_variance, heading_variance);
+    detail::widen_frame(model_, at_origin, at_ahead,
+                        detail::at_most(position_variance, kMostPositionVariance<T>),
+                        detail::at_most(heading_variance, kMostHeadingVariance<T>));
     return Status::kOk;
   }
 }

@@ -181,7 +181,7 @@ void PlanarSlam<ErrorModel>::apply_update(int first, int count, UpdateReport& re
   rest_.note_moving(nis, rows);
   health_.innovations_singular += static_cast<std::uint32_t>(singular);
   report.nis += static_cast<float>(nis);
-  if constexpr (kHasWorldLandmarks) guard_.check(model_, singular_ || singular > 0, health_);
+  guard_.check(model_, singular_ || singular > 0, health_);
   if (count > 0 && parameters_.rest_sigmas > T(0)) rest_.begin();
 }
 
@@ -218,7 +218,9 @@ void PlanarSlam<ErrorModel>::widen_refused_landmarks() {
     const std::uint32_t step = in_row - after;
     if (step > static_cast<std::uint32_t>(parameters_.reacquire_steps)) continue;
     const T scale = static_cast<T>(1 << static_cast<int>(step));
-    model_.widen_landmark(refused_[k], square(scale * parameters_.reacquire_landmark_m));
+    model_.widen_landmark(refused_[k],
+                          detail::at_most(square(scale * parameters_.reacquire_landmark_m),
+                                          kMostPositionVariance<T>));
     ++health_.reacquisitions;
   }
 }

@@ -68,6 +68,7 @@ class WhitenedUpdate {
   /// Moves the mean by the correction and keeps its opposite as the prior's own deviation, which
   /// the next apply() with `deviates` counts in.
   void move_mean(Model& model) {
+    if (!correction_is_finite(model)) clear_correction(model);
     model.correct(correction_);
     const int n = model.covariance().size();
     for (int i = 0; i < n; ++i) correction_[i] = -correction_[i];
@@ -101,6 +102,10 @@ class WhitenedUpdate {
       }
     }
     change_covariance(model, rank);
+    if (!correction_is_finite(model)) {
+      clear_correction(model);
+      ++singular;
+    }
     model.correct(correction_);
     return singular;
   }
@@ -117,6 +122,13 @@ class WhitenedUpdate {
   void clear_correction(const Model& model) {
     const int n = model.covariance().size();
     for (int i = 0; i < n; ++i) correction_[i] = T(0);
+  }
+
+  bool correction_is_finite(const Model& model) const {
+    const int n = model.covariance().size();
+    T product = T(0);  // not a number as soon as one of them is not finite
+    for (int i = 0; i < n; ++i) product += T(0) * correction_[i];
+    return product == T(0);
   }
 
   /// Process noise for the arithmetic of the passes that follow, by the size of what they work on.

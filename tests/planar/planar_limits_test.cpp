@@ -1,0 +1,152 @@
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "cairn/numeric/positive_definite.hpp"
+#include "cairn/planar/ekf_slam.hpp"
+#include "cairn/planar/group_iekf_slam.hpp"
+#include "cairn/planar/lifted/lifted_iekf_slam.hpp"
+
+namespace cairn {
+namespace {
+
+/// What is finite and yet beyond all sense: squares and products of it are not.
+template <class Filter>
+class PlanarLimits : public ::testing::Test {
+ protected:
+  using T = typename Filter::Scalar;
+
+  void SetUp() override {
+    ASSERT_TRUE(ok(filter().initialise({}, T(1e-6) * Matrix3<T>::Identity())));
+    for (LandmarkId id = 1; id <= 4; ++id) {
+      ASSERT_TRUE(ok(filter().add_landmark(id, place(id), T(0.3) * Matrix3<T>::Identity())));
+    }
+  }
+
+  static Vector3<T> place(LandmarkId id) { return {T(4), T(-3) + static_cast<T>(id), T(1.3)}; }
+  Filter& filter() { return *filter_; }
+  std::uint64_t hash() {
+    Hash64 sum;
+    filter().hash(sum);
+    return sum.value();
+  }
+  void see(T shift) {
+    PointObservation<T> seen[4];
+    for (int i = 0; i < 4; ++i) {
+      seen[i].id = static_cast<LandmarkId>(i + 1);
+      seen[i].y = place(seen[i].id).template head<2>() + Vector2<T>::Constant(shift);
+      seen[i].R = T(1e-4) * Matrix2<T>::Identity();
+    }
+    UpdateReport report;
+    EXPECT_TRUE(ok(filter().update_points({seen, 4}, report)));
+  }
+  void expect_sound() {
+    const PlanarPose<T> pose = filter().pose();
+    EXPECT_TRUE(all_finite(pose.position) && is_finite(pose.heading));
+    expect_sound(filter().pose_covariance());
+    for (int slot = 0; slot < filter().landmark_count(); ++slot) {
+      EXPECT_TRUE(all_finite(filter().landmark_position(slot)));
+      expect_sound(filter().landmark_covariance(slot));
+    }
+  }
+  void expect_sound(const Matrix3<T>& covariance) {
+    EXPECT_TRUE(all_finite(covariance));
+    for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), T(0));
+  }
+
+ private:
+  std::unique_ptr<Filter> filter_ = std::make_unique<Filter>();
+};
+
+using Filters = ::testing::Types<GroupIekfSlam<float, 6, 3>, EkfSlam<float, 6, 3>,
+                                 LiftedIekfSlam<float, 6, 3>, GroupIekfSlam<double, 6, 3>,
+                                 EkfSlam<double, 6, 3>, LiftedIekfSlam<double, 6, 3>>;
+TYPED_TEST_SUITE(PlanarLimits, Filters, );
+
+TYPED_TEST(PlanarLimits, APoseOfWhichNothingIsKnownStaysFinite) {
+  using T = typename TypeParam::Scalar;
+  for (const T variance : {T(1e12), T(1e20), T(3e38)}) {
+    ASSERT_TRUE(ok(this->filter().widen_pose(T(0), variance)));
+    this->expect_sound();
+    ASSERT_TRUE(ok(this->filter().widen_pose(variance, variance)));
+    this->expect_sound();
+    this->see(T(0.1));
+    this->expect_sound();
+  }
+}
+
+TYPED_TEST(PlanarLimits, OdometryOfWhichNothingIsKnownStaysFinite) {
+  using T = typename TypeParam::Scalar;
+  for (const auto model : {IncrementModel::kEuler, IncrementModel::kExactArc}) {
+    for (const T sigma : {T(1e6), T(1e12), T(1e18)}) {
+      ASSERT_TRUE(ok(this->filter().predict(
+          ackermann_increment(T(1), T(0.5), T(0.1), T(0.5), sigma, sigma, model))));
+      this->expect_sound();
+      ASSERT_TRUE(
+          ok(this->filter().predict(twist_increment(T(1), T(0.5), T(0.1), sigma, sigma, model))));
+      this->expect_sound();
+      this->see(T(-0.1));
+      this->expect_sound();
+    }
+  }
+}
+
+TYPED_TEST(PlanarLimits, VariancesThatNoFilterReckonsWithAreRefused) {
+  using T = typename TypeParam::Scalar;
+  const std::uint64_t before = this->hash();
+  PlanarIncrement<T> increment;
+  increment.covariance(0, 0) = T(1.1) * kMostPositionVariance<T>;
+  EXPECT_EQ(this->filter().predict(increment), Status::kInvalidArgument);
+  increment.covariance = Matrix2<T>::Zero();
+  increment.covariance(1, 1) = T(1.1) * kMostHeadingVariance<T>;
+  EXPECT_EQ(this->filter().predict(increment), Status::kInvalidArgument);
+  const Matrix3<T> wide = T(1.1) * kMostPositionVariance<T> * Matrix3<T>::Identity();
+  EXPECT_EQ(this->filter().add_landmark(9, this->place(1), wide), Status::kInvalidArgument);
+  ASSERT_TRUE(ok(this->filter().add_position(8)));
+  const std::uint64_t with_position = this->hash();
+  Matrix<T, 3, 2> by_path = Matrix<T, 3, 2>::Zero();
+  by_path(2, 1) = T(1e30);
+  EXPECT_EQ(
+      this->filter().add_landmark_on_path(9, this->place(1), Matrix3<T>::Identity(), 8, by_path),
+      Status::kInvalidArgument);
+  EXPECT_EQ(this->hash(), with_position);
+  ASSERT_TRUE(ok(this->filter().remove_landmark(4)));
+  EXPECT_EQ(this->hash(), before);
+  EXPECT_EQ(this->filter().initialise({}, wide), Status::kInvalidArgument);
+  EXPECT_EQ(this->hash(), before);
+}
+
+/// The least that an unsure pose may become is what two sightings leave.
+TYPED_TEST(PlanarLimits, RecoversFromAPoseOfWhichNothingIsKnown) {
+  using T = typename TypeParam::Scalar;
+  ASSERT_TRUE(ok(this->filter().widen_pose(T(3e38), T(3e38))));
+  for (int k = 0; k < 20; ++k) this->see(T(0));
+  this->expect_sound();
+  ASSERT_TRUE(ok(this->filter().predict(
+      twist_increment(T(0.1), T(0), T(0.1), T(0.1), T(0.1), IncrementModel::kEuler))));
+  for (int k = 0; k < 20; ++k) this->see(T(-0.01));
+  this->expect_sound();
+}
+
+TEST(Variances, BeyondTheMostAreUnsoundAndBecomeTheMost) {
+  for (const float broken : {-1.0F, 1e30F, std::numeric_limits<float>::infinity(),
+                             std::numeric_limits<float>::quiet_NaN()}) {
+    PackedSymmetric<float, 2> p;
+    p.resize(2);
+    p(0, 0) = 4.0F;
+    p(1, 0) = 1.0F;
+    p(1, 1) = 2.0F;
+    EXPECT_TRUE(variances_sound(p));
+    p(1, 1) = broken;
+    EXPECT_FALSE(variances_sound(p)) << broken;
+    forget_correlations(p);
+    EXPECT_TRUE(variances_sound(p)) << broken;
+    EXPECT_EQ(p(0, 0), 4.0F);
+    EXPECT_EQ(p(1, 0), 0.0F);
+    EXPECT_GE(p(1, 1), 1.0F);
+    EXPECT_LE(p(1, 1), kMostVariance<float>);
+  }
+}
+
+}  // namespace
+}  // namespace cairn
