@@ -14,34 +14,37 @@ namespace {
 template <class Filter>
 class PlanarLimits : public ::testing::Test {
  protected:
-  using T = typename Filter::Scalar;
+  using Scalar = typename Filter::Scalar;
 
   void SetUp() override {
-    ASSERT_TRUE(ok(filter().initialise({}, T(1e-6) * Matrix3<T>::Identity())));
+    ASSERT_TRUE(ok(filter().initialise({}, Scalar(1e-6) * Matrix3<Scalar>::Identity())));
     for (LandmarkId id = 1; id <= 4; ++id) {
-      ASSERT_TRUE(ok(filter().add_landmark(id, place(id), T(0.3) * Matrix3<T>::Identity())));
+      ASSERT_TRUE(
+          ok(filter().add_landmark(id, place(id), Scalar(0.3) * Matrix3<Scalar>::Identity())));
     }
   }
 
-  static Vector3<T> place(LandmarkId id) { return {T(4), T(-3) + static_cast<T>(id), T(1.3)}; }
+  static Vector3<Scalar> place(LandmarkId id) {
+    return {Scalar(4), Scalar(-3) + static_cast<Scalar>(id), Scalar(1.3)};
+  }
   Filter& filter() { return *filter_; }
   std::uint64_t hash() {
     Hash64 sum;
     filter().hash(sum);
     return sum.value();
   }
-  void see(T shift) {
-    PointObservation<T> seen[4];
+  void see(Scalar shift) {
+    PointObservation<Scalar> seen[4];
     for (int i = 0; i < 4; ++i) {
       seen[i].id = static_cast<LandmarkId>(i + 1);
-      seen[i].y = place(seen[i].id).template head<2>() + Vector2<T>::Constant(shift);
-      seen[i].R = T(1e-4) * Matrix2<T>::Identity();
+      seen[i].y = place(seen[i].id).template head<2>() + Vector2<Scalar>::Constant(shift);
+      seen[i].R = Scalar(1e-4) * Matrix2<Scalar>::Identity();
     }
     UpdateReport report;
     EXPECT_TRUE(ok(filter().update_points({seen, 4}, report)));
   }
   void expect_sound() {
-    const PlanarPose<T> pose = filter().pose();
+    const PlanarPose<Scalar> pose = filter().pose();
     EXPECT_TRUE(all_finite(pose.position) && is_finite(pose.heading));
     expect_sound(filter().pose_covariance());
     for (int slot = 0; slot < filter().landmark_count(); ++slot) {
@@ -49,9 +52,9 @@ class PlanarLimits : public ::testing::Test {
       expect_sound(filter().landmark_covariance(slot));
     }
   }
-  void expect_sound(const Matrix3<T>& covariance) {
+  void expect_sound(const Matrix3<Scalar>& covariance) {
     EXPECT_TRUE(all_finite(covariance));
-    for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), T(0));
+    for (int i = 0; i < 3; ++i) EXPECT_GE(covariance(i, i), Scalar(0));
   }
 
  private:
