@@ -17,6 +17,22 @@ TEST_F(AVehicleWithOdometry, MovesAsTheReadingsSay) {
   EXPECT_FLOAT_EQ(odometry_.speed_mps(), 0.5F);
 }
 
+/// A circle is driven as one: what a step leaves out to the side, a camera would take for a turn.
+TEST_F(AVehicleWithOdometry, FollowsTheArcOfASteadyTurn) {
+  constexpr float kSpeed_mps = 2.0F;
+  constexpr float kRate = 0.5F;
+  const float radius_m = kSpeed_mps / kRate;
+  ASSERT_TRUE(ok(add(1, kSpeed_mps, kRate)));
+  for (int k = 1; k <= 30; ++k) {
+    ASSERT_TRUE(ok(integrate_to(k * kPeriodUs - kPeriodUs / 3)));
+    ASSERT_TRUE(ok(add(k * kPeriodUs, kSpeed_mps, kRate)));
+    const float turned = 0.1F * kRate * static_cast<float>(k);
+    const PlanarPose<float> pose = filter_.mean_pose();
+    EXPECT_NEAR(pose.position.x(), radius_m * sin(turned), 1e-4F) << k;
+    EXPECT_NEAR(pose.position.y(), radius_m * (1.0F - cos(turned)), 1e-4F) << k;
+  }
+}
+
 TEST_F(AVehicleWithOdometry, MovesSinceTheStartAsTheFirstSampleSays) {
   ASSERT_TRUE(ok(integrate_to(kPeriodUs / 2)));
   ASSERT_TRUE(ok(add(kPeriodUs, 1.0F)));

@@ -107,13 +107,16 @@ PlanarIncrement<float> OdometryMotion::increment_over(float dt_s, float slip_mps
 
 PlanarIncrement<float> OdometryMotion::increment_of(const OdometrySample& reading, float dt_s,
                                                     float scale, float slip_mps) const {
+  // Along the arc: a step that keeps the old heading leaves out half a turn's way to the side,
+  // which the camera sees, and the filter takes for a turn.
+  constexpr IncrementModel kModel = IncrementModel::kExactArc;
   const float off = abs(held_.turn - steady_.turn()) / kFarInSigmas;
   const float sigma_turn = scale * (off > noise_.sigma_turn ? off : noise_.sigma_turn);
+  const float sigma = sigma_speed(scale, slip_mps);
   return reading.kind == OdometrySample::Kind::kAckermann
-             ? ackermann_increment(reading.speed_mps, reading.turn, dt_s, noise_.wheelbase_m,
-                                   sigma_speed(scale, slip_mps), sigma_turn)
-             : twist_increment(reading.speed_mps, reading.turn, dt_s, sigma_speed(scale, slip_mps),
-                               sigma_turn);
+             ? ackermann_increment(reading.speed_mps, reading.turn, dt_s, noise_.wheelbase_m, sigma,
+                                   sigma_turn, kModel)
+             : twist_increment(reading.speed_mps, reading.turn, dt_s, sigma, sigma_turn, kModel);
 }
 
 /// By how much the yaw rate held differs from the low-passed one beyond the noise of a sample.
