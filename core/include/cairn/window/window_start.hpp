@@ -81,10 +81,12 @@ class WindowStart {
   void seek(const Solution& solution, const Parameters& parameters, const View& view);
   void take(Graph& graph, Solution& solution, const Parameters& parameters, const View& view);
   void common_view(const Graph& graph, const Solution& solution, int place, View& view) const;
-  T depths(const Graph& graph, const Solution& solution, const View& view, T* rho);
+  // Not inline: take_poses() needs the most stack, and their locals would lie below it.
+  __attribute__((noinline)) T depths(const Graph& graph, const Solution& solution, const View& view,
+                                     T* rho);
+  __attribute__((noinline)) void take_hosts(const Graph& graph, const View& view, const T* rho,
+                                            T typical, Solution& solution) const;
   void take_poses(const Graph& graph, const View& view, const T* rho, T sigma,
-                  Solution& solution) const;
-  void take_hosts(const Graph& graph, const View& view, const T* rho, T typical,
                   Solution& solution) const;
   static EpipolarOptions<T> options(const Solution& solution, const Parameters& parameters) {
     EpipolarOptions<T> options;

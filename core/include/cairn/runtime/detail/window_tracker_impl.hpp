@@ -18,13 +18,12 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   if (!ok(status)) return status;
   parameters_ = scaled;
   told_ = camera_ = camera;
+  track_.reset(scaled, scaled.window.first_inverse_depth, scaled.covariance_factor);
   features_.reset(scaled.features);
+  measurement_.reset(scaled, scaled.readout, camera);
+  choice_.reset(scaled);
   memory_.reset(scaled.memory);
-  motion_.reset();
-  shutter_.reset(parameters.readout, camera.width, camera.height);
-  shutter_before_ = shutter_;
-  gyro_.reset(parameters.gyro);
-  rotation_.reset(parameters.rotation);
+  covariance_.reset(scaled);
   input_.reset(parameters.max_step_us);
   repeated_.reset();
   clock_.reset(kStepsOfClock * parameters.max_step_us);
@@ -33,15 +32,8 @@ Status WindowTracker<Config>::initialise(const PinholeCamera<float>& camera,
   health_ = Health{};
   next_id_ = 1;
   state_ = TrackingState::kInitialising;
-  T_camera_world_ = Rigid<float>();
-  note_pose();
-  frame_covariance_.setZero();
-  covariance_.setZero();
-  for (Matrix3<float>& attitude : attitude_) attitude.setZero();
-  lost_attitude_.setZero();
-  blind_s_ = blind_variance_ = typical_inverse_depth_ = astray_s_ = 0.0F;
-  astray_ = returned_ = takes_points_ = false;
-  inliers_ = weak_frames_ = since_keyframe_ = frames_without_step_ = keyframe_work_ = 0;
+  takes_points_ = false;
+  weak_frames_ = frames_without_step_ = 0;
   return Status::kOk;
 }
 
@@ -62,13 +54,12 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
     timer.end(Stage::kPreprocess);
   } else {
     features_.begin(image);
-    rotation_.take(frame);
     const FrameStep step = input_.accept(t_us, health_);
-    note_gyro_frame(step, t_us);
+    track_.take_frame(frame, t_us);
+    covariance_.note_frame(step.seconds(), track_.gyro());
     timer.end(Stage::kPreprocess);
     if (window_.keyframes() == 0) {
       status = begin_anew(frame) ? Status::kOk : Status::kLowTexture;
-      update_covariance();
       timer.end(Stage::kFeatures);
     } else {
       status = track(frame, step, timer);
@@ -79,7 +70,7 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
   if (status == Status::kRepeatedImage && state_ == TrackingState::kTracking) {
     report.state = TrackingState::kUncertain;
   }
-  report.T_world_camera = T_camera_world_.inverse();
+  report.T_world_camera = track_.pose().inverse();
   report.T_map_camera = report.T_world_camera;
   report.landmarks = features_.size();
   work_.end(0, report, health_);
@@ -88,149 +79,125 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
 
 template <class Config>
 Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, StageTimer& timer) {
-  pose_age_s_ += step.seconds();
-  unseen_s_ += step.seconds();
-  gap_ = gap_ || step.gap;
-  const Rigid<float> predicted = predict(frame, step);
-  if (shutter_.used()) frame.work.spend(work::rolling_shutter(features_.size()));
+  track_.advance(step);
+  const Rigid<float> predicted = track_.predict(frame, step);
+  if (measurement_.exposures().used()) frame.work.spend(work::rolling_shutter(features_.size()));
   timer.end(Stage::kPosePrediction);
-  takes_points_ = takes_points(frame);
-  find_features(frame, step, predicted);
+  const typename Measurement::Scene scene{frame, features_, window_, track_, step};
+  takes_points_ = memory_.takes_points(frame, parameters_.astray_features, parameters_.features);
+  measurement_.find(scene, predicted, search_limits(frame));
   timer.end(Stage::kFeatures);
   Rigid<float> pose;
+  const bool holds = measurement_.estimate(scene, predicted, pose);
   const int found = features_.found();
-  inliers_ = estimate(frame, predicted, pose);
   frame.report.matches = found;
-  const float least = parameters_.min_inlier_share * static_cast<float>(found);
-  ++since_keyframe_;
+  choice_.note_frame();
   Status status = step.gap ? Status::kTimeGap : Status::kOk;
-  const bool holds = inliers_ >= least_inliers() && static_cast<float>(inliers_) >= least;
   if (holds) {
-    frame.report.inliers = inliers_;
+    frame.report.inliers = measurement_.inliers();
     compare_gyro(predicted, pose);
     accept(frame, pose);
     drop_missed(frame, pose);
     if (!takes_points_) keep_keyframes(frame);
-    state_ = depths_hold() && !astray_ ? TrackingState::kTracking : TrackingState::kUncertain;
+    const bool sure = measurement_.depths_hold(features_, window_) && !memory_.astray();
+    state_ = sure ? TrackingState::kTracking : TrackingState::kUncertain;
   } else {
     status = found < parameters_.min_inliers ? Status::kLowTexture : Status::kNoConsensus;
     if (found < parameters_.min_inliers) ++health_.low_texture_frames;
     drop_missed(frame, predicted);
-    gyro_.note_weak();
-    if (gyro_.predicts()) {
-      T_camera_world_ = predicted;
-      pose_age_s_ = 0.0F;
-    }
+    track_.note_weak();
+    track_.drift_to(predicted);
     note_weak(frame);
-    if (state_ != TrackingState::kLost && gyro_.sure()) bridge(frame);
     if (state_ == TrackingState::kLost) status = Status::kLost;
   }
-  seek_map(frame, step, holds);
+  if (memory_.seek(frame, features_, track_.pose(), window_.keyframes() > 0,
+                   holds ? step.seconds() : 0.0F, parameters_.forget_s)) {
+    return_to_map(frame);
+  }
   improve_window(frame);
-  if (holds) keep_memory(frame);
+  if (holds) {
+    memory_.keep(frame, window_, features_, track_.pose(), track_.typical_inverse_depth());
+  }
   update_covariance();
   timer.end(Stage::kPoseUpdate);
   return status;
 }
 
-/// With constant velocity and rate; where the whole picture turned otherwise, with its rotation. A
-/// gyroscope that agrees with the pictures takes the place of both, one that is not proven yet that
-/// of the constant rate.
 template <class Config>
-Rigid<float> WindowTracker<Config>::predict(FrameContext& frame, const FrameStep& step) {
-  const float dt_s = static_cast<float>(step.us) * 1e-6F;
-  if (step.gap) motion_.forget();
-  if (gyro_.sure()) return motion_.predict_turned(T_camera_world_, gyro_.turn().rotation, dt_s);
-  const bool by_gyro = gyro_.predicts() && !step.gap && step.us > 0;
-  const Vector3<float> rate =
-      by_gyro ? Vector3<float>(gyro_.turn().rotation / dt_s) : motion_.rate_radps();
-  if (!step.gap && rotation_.seek(frame, rate, motion_.speed(), expected_inverse_depth(), dt_s)) {
-    return motion_.predict_turned(T_camera_world_, rotation_.rotation(), dt_s);
-  }
-  if (by_gyro) return motion_.predict_turned(T_camera_world_, gyro_.turn().rotation, dt_s);
-  return motion_.predict(T_camera_world_, dt_s);
+typename WindowTracker<Config>::Measurement::Limits WindowTracker<Config>::search_limits(
+    const FrameContext& frame) const {
+  const bool window_waits = window_.working() && frames_without_step_ >= kMostWithoutStep;
+  const int keyframe = choice_.postponed_work();
+  const int half = frame.work.left() / 2;
+  typename Measurement::Limits limits;
+  limits.features = takes_points_ ? parameters_.astray_features : features_.size();
+  limits.work = (window_waits ? window_.step_work() : 0) + (keyframe < half ? keyframe : half);
+  return limits;
 }
 
-/// From where the camera is predicted and, unless nearly all agree on that, from where it was; the
-/// start with more inliers counts.
+/// Compares the gyroscope with the attitude by the landmarks alone.
 template <class Config>
-int WindowTracker<Config>::estimate(FrameContext& frame, const Rigid<float>& predicted,
-                                    Rigid<float>& pose) {
-  const WindowPoseOptions<float> options = pose_options(predicted);
-  const int found = gather(predicted);
-  frame.work.spend(work::window_pose(found));
-  pose = predicted;
-  Matrix<float, 6, 6> covariance = Matrix<float, 6, 6>::Zero();
-  guided_information_ = options.attitude_information;
-  const int inliers = estimate_window_pose(sightings_, found, options, pose, covariance);
-  if (inliers >= 0) frame_covariance_ = covariance;
-  if (inliers >= parameters_.min_inliers && 10 * inliers >= 9 * found) return inliers;
-  frame.work.spend(work::window_pose(found));
-  bool inlier[kMaxFeatures];
-  for (int i = 0; i < found; ++i) inlier[i] = sightings_[i].inlier;
-  Rigid<float> standing = T_camera_world_;
-  if (gyro_.predicts()) standing = motion_.turned(T_camera_world_, gyro_.turn().rotation);
-  const int from_standing = estimate_window_pose(sightings_, found, options, standing, covariance);
-  if (from_standing > inliers) {
-    pose = standing;
-    frame_covariance_ = covariance;
-    return from_standing;
+void WindowTracker<Config>::compare_gyro(const Rigid<float>& predicted, const Rigid<float>& pose) {
+  Quaternion<float> R_camera_world;
+  Matrix3<float> covariance;
+  if (!track_.gyro().turn().known ||
+      !measurement_.attitude_alone(predicted, pose, R_camera_world, covariance)) {
+    return track_.note_weak();
   }
-  for (int i = 0; i < found; ++i) sightings_[i].inlier = inlier[i];
-  return inliers;
-}
-
-/// T_camera_world_ is that of the present frame.
-template <class Config>
-void WindowTracker<Config>::note_pose() {
-  pose_age_s_ = unseen_s_ = 0.0F;
-  gap_ = false;
+  SeenAttitude seen;
+  seen.focal_sigma = window_.focal_sigma();
+  seen.lens_sigma = parameters_.lens_sigma;
+  seen.R_world_camera = R_camera_world.conjugate();
+  seen.variance = square(parameters_.covariance_factor) * covariance.trace() / 3.0F;
+  track_.note_attitude(seen);
 }
 
 template <class Config>
 void WindowTracker<Config>::accept(FrameContext& frame, const Rigid<float>& pose) {
-  const int found = features_.found();
-  for (int k = 0; k < found; ++k) {
-    WindowFeature& feature = features_[sighted_[k]];
-    if (sightings_[k].inlier) {
-      feature.outliers = 0;
-      frame.report.from_library += feature.from_library ? 1 : 0;
-      ++health_.innovations_used;
-    } else {
-      ++health_.innovations_gated;
-      ++frame.report.update.gated;
-      ++feature.outliers;
-    }
+  measurement_.note_agreement(frame, features_);
+  measurement_.expose(track_, pose);
+  WindowExposures& exposures = measurement_.exposures();
+  if (exposures.used() && choice_.follows_keyframe()) {
+    exposures.amend_keyframe(camera_, features_, window_);
   }
-  expose(pose);
-  if (shutter_.used() && since_keyframe_ == 1) amend_keyframe(shutter_before_.with_next(shutter_));
-  shutter_before_ = shutter_;
-  motion_.note(T_camera_world_, pose, gap_ ? 0.0F : pose_age_s_);
-  T_camera_world_ = pose;
-  note_pose();
+  exposures.end_frame();
+  track_.move_to(pose);
+  covariance_.note_seen();
   weak_frames_ = 0;
-  blind_s_ = blind_variance_ = 0.0F;
 }
 
-/// A keyframe seeks new landmarks in as many cells as the frame's work affords. Where those would
-/// be too few, the next frame makes it, and searches less for it.
+/// After some weak frames tracking is lost: a new map begins. Before, and where a gyroscope and the
+/// velocity before say where the camera is, a frame whose landmarks left the view, or are blurred,
+/// becomes a keyframe: the next frame finds what this one shows. The gyroscope's turn ties it to
+/// the others.
 template <class Config>
-void WindowTracker<Config>::keep_keyframes(FrameContext& frame) {
-  const ViewChange change = view_change();
-  const bool due = keyframe_work_ > 0;
-  if (!due && !wants_keyframe(change)) return;
-  const int least = work::kWindowNewest + features_.new_work(frame) / kLeastKeyframe;
-  if (!due && !frame.work.affords(least)) {
-    keyframe_work_ = least;
-    frame.work.raise_cut(FrameCut::kNoMapping);
+void WindowTracker<Config>::note_weak(FrameContext& frame) {
+  ++weak_frames_;
+  if (!track_.gyro().sure()) track_.forget_motion();
+  state_ = TrackingState::kUncertain;
+  if (weak_frames_ <= parameters_.weak_frames && features_.size() >= parameters_.min_inliers) {
+    if (!track_.gyro().sure() || takes_points_) return;
+    const int least = work::kWindowNewest + features_.new_work(frame) / kLeastKeyframe;
+    if (frame.work.affords(least)) static_cast<void>(make_keyframe(frame, true));
     return;
   }
-  static_cast<void>(make_keyframe(frame, change.parallax > parameters_.standing_px));
+  ++health_.losses;
+  if (!memory_.astray()) {
+    covariance_.note_loss(window_, track_.pose());
+    for (int i = 0; i < features_.size(); ++i) memory_.renew_depth(frame, window_, features_[i]);
+  }
+  memory_.note_loss();
+  state_ = TrackingState::kLost;
+  features_.clear();
+  window_.clear();
+  if (frame.work.affords(work::kWindowNewest + features_.new_work(frame))) {
+    static_cast<void>(begin_anew(frame));
+  }
 }
 
 template <class Config>
 void WindowTracker<Config>::remove(FrameContext& frame, int i) {
-  if (!astray_) memory_.renew_depth(frame, window_, features_[i], parameters_.window.sigma);
+  memory_.renew_depth(frame, window_, features_[i]);
   window_.retire(features_[i].slot);
   features_.remove(i);
   ++frame.report.removed;
@@ -243,46 +210,13 @@ void WindowTracker<Config>::drop_missed(FrameContext& frame, const Rigid<float>&
   const int most = window_.settled() ? parameters_.max_outliers : 2 * parameters_.max_outliers;
   for (int i = features_.size() - 1; i >= 0; --i) {
     const WindowFeature& feature = features_[i];
-    const bool kept = feature.found ? feature.outliers < most
-                                    : features_.miss(frame, i, expected_pixel(feature, pose));
+    const bool kept = feature.found
+                          ? feature.outliers < most
+                          : features_.miss(frame, i,
+                                           measurement_.exposures().expected_pixel(
+                                               camera_, window_, feature, track_.pose(), pose));
     if (!kept) remove(frame, i);
   }
-}
-
-/// How the view changed since the newest keyframe, over the landmarks that it and the frame see.
-template <class Config>
-typename WindowTracker<Config>::ViewChange WindowTracker<Config>::view_change() const {
-  const Quaternion<float> turned =
-      T_camera_world_.rotation * window_.newest_pose().rotation.conjugate();
-  const Matrix3<float> rotation = turned.toRotationMatrix();
-  ViewChange change;
-  for (int i = 0; i < features_.size(); ++i) {
-    if (!features_[i].found) continue;
-    ++change.found;
-    Vector2<float> before;
-    if (!window_.newest_sees(features_[i].slot, before)) continue;
-    const Vector3<float> p = rotation * Vector3<float>(before.x(), before.y(), 1.0F);
-    if (!(p.z() > 0.0F)) continue;
-    const Vector2<float> seen = seen_direction(features_[i], T_camera_world_);
-    change.flow += sqrt((seen - before).squaredNorm());
-    change.parallax += sqrt((seen - Vector2<float>(p.x(), p.y()) / p.z()).squaredNorm());
-    ++change.common;
-  }
-  if (change.common > 0) {
-    const float share = camera_.fx / static_cast<float>(change.common);
-    change.flow *= share;
-    change.parallax *= share;
-  }
-  return change;
-}
-
-template <class Config>
-bool WindowTracker<Config>::wants_keyframe(const ViewChange& change) const {
-  if (since_keyframe_ < 2) return false;
-  const float least = parameters_.keyframe_share * static_cast<float>(at_keyframe_);
-  return change.parallax > parameters_.keyframe_parallax_px || 2 * change.common < change.found ||
-         static_cast<float>(change.found) < least ||
-         (since_keyframe_ >= parameters_.keyframe_frames && change.flow > parameters_.standing_px);
 }
 
 }  // namespace cairn

@@ -4,54 +4,49 @@
 
 namespace cairn {
 
-/// The newest keyframe sees what the frame found. What disagrees with the frame's pose may be right
-/// while the start is not settled.
+/// A keyframe seeks new landmarks in as many cells as the frame's work affords. Where those would
+/// be too few, the next frame makes it, and searches less for it.
 template <class Config>
-void WindowTracker<Config>::observe_features() {
-  for (int i = 0; i < features_.size(); ++i) {
-    const WindowFeature& feature = features_[i];
-    if (!feature.found) continue;
-    const Vector2<float> direction = seen_direction(feature, T_camera_world_);
-    if (feature.outliers == 0) {
-      window_.observe(feature.slot, direction);
-    } else if (!window_.settled()) {
-      window_.doubt(feature.slot, direction);
-    }
+void WindowTracker<Config>::keep_keyframes(FrameContext& frame) {
+  const ViewChange change =
+      view_change(camera_, features_, measurement_.exposures(), window_, track_.pose());
+  const bool due = choice_.postponed_work() > 0;
+  if (!due && !choice_.wants_keyframe(change)) return;
+  const int least = work::kWindowNewest + features_.new_work(frame) / kLeastKeyframe;
+  if (!due && !frame.work.affords(least)) {
+    choice_.postpone(least);
+    frame.work.raise_cut(FrameCut::kNoMapping);
+    return;
   }
+  static_cast<void>(make_keyframe(frame, choice_.moved(change)));
 }
 
-/// The frame before is the newest keyframe, and how it moved is known better now.
 template <class Config>
-void WindowTracker<Config>::amend_keyframe(const RollingShutter& shutter) {
-  const Rigid<float>& keyframe = window_.newest_pose();
-  for (int i = 0; i < features_.size(); ++i) {
-    const WindowFeature& feature = features_[i];
-    const Vector2<float>& pixel = feature.keyframe_pixel;
-    const Vector3<float> ray = camera_.unproject(pixel);
-    window_.amend(feature.slot,
-                  shutter.at_frame_time(Vector2<float>(ray.x(), ray.y()), pixel,
-                                        window_.inverse_depth_in(feature.slot, keyframe)));
-  }
+void WindowTracker<Config>::begin_keyframe() {
+  window_.begin_keyframe(track_.pose());
+  Quaternion<float> turned;
+  float variance = 0.0F;
+  if (track_.note_keyframe(turned, variance)) window_.set_turn(turned, variance);
 }
 
 /// The present frame becomes a keyframe, and new landmarks begin in it. `moved`: the camera did,
 /// since the one before.
 template <class Config>
 bool WindowTracker<Config>::make_keyframe(FrameContext& frame, bool moved) {
+  const WindowExposures& exposures = measurement_.exposures();
   frame.work.spend(work::kWindowNewest);
-  window_.begin_keyframe(T_camera_world_);
-  note_gyro_keyframe();
+  begin_keyframe();
   memory_.note_keyframe();
   for (int i = features_.size() - 1; i >= 0; --i) {
     if (!window_.used(features_[i].slot)) features_.remove(i);  // its host was given up
   }
-  observe_features();
+  exposures.observe_keyframe(camera_, features_, track_.pose(), window_);
   features_.renew_templates(frame);
-  const int added = features_.add(frame, window_, shutter_, next_id_);
+  const int added = features_.add(frame, window_, exposures.present(), next_id_);
   features_.note_keyframe();
-  at_keyframe_ = features_.size();
+  choice_.note_keyframe(features_.size());
+  choice_.postpone(0);
   window_.finish_keyframe(moved);
-  since_keyframe_ = keyframe_work_ = 0;
   return added > 0;
 }
 
@@ -74,44 +69,15 @@ void WindowTracker<Config>::improve_window(FrameContext& frame) {
     frames_without_step_ = 0;
   }
   follow_focal();
-  if (window_.corrected() != corrected) forget_motion();
-  T_camera_world_ = T_camera_world_ * before.inverse() * window_.newest_pose();
-  T_camera_world_.rotation.coeffs() *= 1.0F / sqrt(T_camera_world_.rotation.squaredNorm());
+  if (window_.corrected() != corrected) {
+    track_.forget_motion();
+    measurement_.exposures().forget_motion();
+  }
+  track_.correct(track_.pose() * before.inverse() * window_.newest_pose());
   for (int i = features_.size() - 1; i >= 0; --i) {
     if (!window_.live(features_[i].slot)) remove(frame, i);
   }
-  const float typical = window_.typical_inverse_depth(T_camera_world_);
-  if (typical > 0.0F) typical_inverse_depth_ = typical;
-}
-
-template <class Config>
-void WindowTracker<Config>::note_weak(FrameContext& frame) {
-  ++weak_frames_;
-  if (!gyro_.sure()) motion_.forget();
-  state_ = TrackingState::kUncertain;
-  if (weak_frames_ <= parameters_.weak_frames && features_.size() >= parameters_.min_inliers)
-    return;
-  ++health_.losses;
-  if (!astray_) {
-    lost_attitude_ = attitude_[window_.newest()] + attitude_by_focal();
-    for (int i = 0; i < features_.size(); ++i) {
-      memory_.renew_depth(frame, window_, features_[i], parameters_.window.sigma);
-    }
-  }
-  astray_ = !memory_.library_too_small();
-  astray_s_ = 0.0F;
-  returned_ = false;
-  if (astray_) {
-    memory_.begin();
-  } else {
-    memory_.forget();  // the new map has another frame
-  }
-  state_ = TrackingState::kLost;
-  features_.clear();
-  window_.clear();
-  if (frame.work.affords(work::kWindowNewest + features_.new_work(frame))) {
-    static_cast<void>(begin_anew(frame));
-  }
+  track_.note_depth(window_.typical_inverse_depth(track_.pose()));
 }
 
 /// A new map where the camera is believed to be; after a loss, by the next frame where this one
@@ -120,18 +86,16 @@ void WindowTracker<Config>::note_weak(FrameContext& frame) {
 template <class Config>
 bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   const bool first = state_ == TrackingState::kInitialising;
-  window_.clear(expected_inverse_depth());
+  window_.clear(track_.expected_inverse_depth());
   follow_focal();
   features_.clear();
-  forget_motion();
-  note_pose();
+  track_.forget_motion();
+  measurement_.exposures().forget_motion();
+  track_.stand_at(track_.pose());
   weak_frames_ = 0;
   static_cast<void>(make_keyframe(frame, true));
   if (features_.size() >= parameters_.min_inliers) {
-    attitude_[window_.newest()] =
-        lost_attitude_ + (square(parameters_.blind_rate_radps * blind_s_) + blind_variance_) *
-                             Matrix3<float>::Identity();
-    blind_s_ = blind_variance_ = 0.0F;
+    covariance_.begin(window_.newest());
     if (!first) ++health_.resets;
     return true;
   }
@@ -140,58 +104,28 @@ bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   return false;
 }
 
+/// The window begins anew at the pose in the map, with the landmarks that are seen there at their
+/// depth in the map: its frame and scale are the map's again.
 template <class Config>
-int WindowTracker<Config>::known_depths() const {
-  int known = 0;
-  for (int i = 0; i < features_.size(); ++i) {
-    const WindowFeature& feature = features_[i];
-    known += feature.found && window_.sigma(feature.slot) <
-                                  parameters_.known_depth * window_.inverse_depth(feature.slot)
-                 ? 1
-                 : 0;
-  }
-  return known;
-}
-
-/// The attitude's error is that of the window's reference when it was the newest keyframe, of the
-/// newest keyframe relative to it, of the frame relative to the landmarks, what the focal length's
-/// error makes of them, and the rest of the calibration of all turns.
-template <class Config>
-void WindowTracker<Config>::update_covariance() {
-  if (window_.keyframes() == 0) return;
-  const float inflation = square(parameters_.covariance_factor);
-  const Matrix<float, 6, 6>& newest = window_.newest_covariance();
-  const Matrix3<float> newest_axes = window_.newest_pose().rotation.conjugate().toRotationMatrix();
-  const int reference = window_.reference();
-  if (window_.newest() != reference) {
-    attitude_[window_.newest()] =
-        attitude_[reference] +
-        inflation * (newest_axes * newest.topLeftCorner<3, 3>() * newest_axes.transpose());
-  }
-  const Matrix3<float> R_world_camera = T_camera_world_.rotation.conjugate().toRotationMatrix();
-  const Vector3<float> turned = rotation_log(T_camera_world_.rotation);
-  const float unknown = square(parameters_.lens_sigma) * turned.squaredNorm() +
-                        square(parameters_.blind_rate_radps * blind_s_) + blind_variance_;
-  covariance_ = Matrix<float, 6, 6>::Zero();
-  const Matrix<float, 6, 6> own = inflation * (frame_covariance_ + newest);
-  covariance_.topLeftCorner<3, 3>() = own.bottomRightCorner<3, 3>();
-  covariance_.bottomRightCorner<3, 3>() =
-      R_world_camera.transpose() * (attitude_[window_.newest()] + attitude_by_focal()) *
-          R_world_camera +
-      inflation * frame_covariance_.topLeftCorner<3, 3>() + unknown * Matrix3<float>::Identity();
-}
-
-/// The attitude's covariance from the focal length's, in world axes: the newest keyframe follows it
-/// as the window says, and what the camera turned since shrinks as it grows.
-template <class Config>
-Matrix3<float> WindowTracker<Config>::attitude_by_focal() const {
-  const FocalScale focal = focal_scale();
-  const Quaternion<float> since =
-      T_camera_world_.rotation * window_.newest_pose().rotation.conjugate();
-  const Vector3<float> follows =
-      window_.newest_pose().rotation.conjugate() * window_.newest_by_focal().template head<3>() -
-      T_camera_world_.rotation.conjugate() * rotation_log(since) / focal.value;
-  return square(focal.sigma) * (follows * follows.transpose());
+void WindowTracker<Config>::return_to_map(FrameContext& frame) {
+  track_.stand_at(memory_.place().T_map_camera.inverse());
+  track_.forget_velocity();
+  measurement_.exposures().forget_motion();
+  window_.clear(parameters_.window.first_inverse_depth);
+  follow_focal();
+  features_.clear();
+  begin_keyframe();
+  memory_.take_place(frame, window_, features_);
+  const WindowExposures& exposures = measurement_.exposures();
+  exposures.observe_keyframe(camera_, features_, track_.pose(), window_);
+  static_cast<void>(features_.add(frame, window_, exposures.present(), next_id_));
+  choice_.note_keyframe(features_.size());
+  window_.finish_keyframe();
+  weak_frames_ = 0;
+  covariance_.resume(window_.newest());
+  state_ = TrackingState::kTracking;
+  frame.report.relocalised = true;
+  ++health_.relocalisations;
 }
 
 template <class Config>
@@ -216,8 +150,8 @@ void WindowTracker<Config>::hash(Hash64& hash) const {
   hash.add(static_cast<std::uint8_t>(state_));
   hash.add(health_.landmarks_added);
   hash.add(health_.landmarks_removed);
-  for (int i = 0; i < 4; ++i) hash.add(T_camera_world_.rotation.coeffs()(i));
-  for (int i = 0; i < 3; ++i) hash.add(T_camera_world_.translation(i));
+  for (int i = 0; i < 4; ++i) hash.add(track_.pose().rotation.coeffs()(i));
+  for (int i = 0; i < 3; ++i) hash.add(track_.pose().translation(i));
 }
 
 }  // namespace cairn
