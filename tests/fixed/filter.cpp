@@ -1,6 +1,9 @@
 // The planar filters without floating point, for the symbols of their archive.
+#include "cairn/planar/fixed/fixed_vehicle_slam.hpp"
+
 #include "tests/fixed/filters.hpp"
 
 template class cairn::FixedPlanarSlam<20, 2, cairn::FixedError::kGroup>;
 template class cairn::FixedPlanarSlam<16, 3, cairn::FixedError::kGroup>;
 template class cairn::FixedPlanarSlam<20, 2, cairn::FixedError::kWorld>;
+template class cairn::FixedVehicleSlam<16>;

@@ -1,5 +1,6 @@
 #include "cairn/ar/line_drawing.hpp"
 
+#include "cairn/numeric/fixed_math.hpp"
 #include "cairn/numeric/math.hpp"
 
 namespace cairn {
@@ -130,10 +131,19 @@ class LineStep {
 };
 
 /// Width across the minor axis of a line of this width: width * length / |major|, Q8.
-int span_width(std::int64_t major, std::int64_t minor, int width_q8) {
+int span_width(std::int32_t major, std::int32_t minor, int width_q8) {
+  constexpr int kBits = 15;
   if (major == 0) return width_q8;
-  const float ratio = static_cast<float>(minor) / static_cast<float>(major);
-  return round_to_int(static_cast<float>(width_q8) * sqrt(1.0F + ratio * ratio));
+  const int down = wide::bit_length(static_cast<std::uint64_t>(major)) - kBits;
+  const std::int32_t across = minor < 0 ? -minor : minor;
+  const auto scaled = [down](std::int32_t value) {
+    return static_cast<std::uint32_t>(down > 0 ? value >> down : value);
+  };
+  const std::uint32_t ratio = (scaled(across) << kBits) / scaled(major);
+  const FixedRoot root =
+      square_root((std::int64_t{1} << 2 * kBits) + std::int64_t{ratio} * ratio, 2 * kBits);
+  std::uint32_t none = 0;
+  return static_cast<int>(wide::scale(std::int64_t{width_q8} * root.mantissa, -root.bits, none));
 }
 
 }  // namespace
@@ -160,19 +170,21 @@ bool clip_line(int width, int height, int margin_q8, LineQ8& line) {
   return (box.code(line.x0, line.y0) | box.code(line.x1, line.y1)) == 0;
 }
 
-int draw_line(const MutableImageView& image, const LineQ8& line, int width_q8, std::uint8_t grey) {
-  if (!ImageView(image).valid()) return 0;
-  const int thickness = clamp(width_q8, kOne, kMaxLineWidthQ8);
+namespace detail {
+
+ClippedLine::ClippedLine(const MutableImageView& image, const LineQ8& line, int width_q8) {
+  if (!ImageView(image).valid()) return;
+  width = clamp(width_q8, kOne, kMaxLineWidthQ8);
   LineQ8 l = line;
-  if (!clip_line(image.width, image.height, thickness, l)) return 0;
+  if (!clip_line(image.width, image.height, width, l)) return;
+  visible = true;
   const std::int32_t dx = l.x1 - l.x0;
   const std::int32_t dy = l.y1 - l.y0;
-  const bool steep = (dy < 0 ? -dy : dy) > (dx < 0 ? -dx : dx);
-  // Along the major axis u, across it v.
-  std::int32_t u0 = steep ? l.y0 : l.x0;
-  std::int32_t v0 = steep ? l.x0 : l.y0;
-  std::int32_t u1 = steep ? l.y1 : l.x1;
-  std::int32_t v1 = steep ? l.x1 : l.y1;
+  steep = (dy < 0 ? -dy : dy) > (dx < 0 ? -dx : dx);
+  u0 = steep ? l.y0 : l.x0;
+  v0 = steep ? l.x0 : l.y0;
+  u1 = steep ? l.y1 : l.x1;
+  v1 = steep ? l.x1 : l.y1;
   if (u0 > u1) {
     const std::int32_t u = u0;
     const std::int32_t v = v0;
@@ -181,7 +193,15 @@ int draw_line(const MutableImageView& image, const LineQ8& line, int width_q8, s
     u1 = u;
     v1 = v;
   }
-  const int half = span_width(u1 - u0, v1 - v0, thickness) / 2;
+}
+
+int draw_clipped(const MutableImageView& image, const ClippedLine& line, int half,
+                 std::uint8_t grey) {
+  const bool steep = line.steep;
+  const std::int32_t u0 = line.u0;
+  const std::int32_t v0 = line.v0;
+  const std::int32_t u1 = line.u1;
+  const std::int32_t v1 = line.v1;
   const int u_count = steep ? image.height : image.width;
   const int v_count = steep ? image.width : image.height;
   const std::ptrdiff_t u_step = steep ? image.stride : 1;
@@ -196,6 +216,16 @@ int draw_line(const MutableImageView& image, const LineQ8& line, int width_q8, s
     written += draw_span({image.data + u * u_step, v_step, v_count}, v - half, v + half, grey);
   }
   return written;
+}
+
+}  // namespace detail
+
+int draw_line_in_integers(const MutableImageView& image, const LineQ8& line, int width_q8,
+                          std::uint8_t grey) {
+  const detail::ClippedLine clipped(image, line, width_q8);
+  if (!clipped.visible) return 0;
+  const int half = span_width(clipped.u1 - clipped.u0, clipped.v1 - clipped.v0, clipped.width) / 2;
+  return detail::draw_clipped(image, clipped, half, grey);
 }
 
 }  // namespace cairn

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/ar/fixed_object_drawing.hpp"
 #include "cairn/ar/object_drawing.hpp"
 #include "cairn/ar/virtual_object.hpp"
 #include "cairn/base/fixed_vector.hpp"
@@ -55,24 +56,59 @@ class Augmenter {
            const MutableImageView& image) {
     int order[kMaxObjects] = {};
     sort_far_to_near(T_map_camera, order);
+    return draw_each(order, [&](const Rigid<float>& T_map_object, DrawReport& report) {
+      return draw_object(shape_, T_map_object, camera, T_map_camera, parameters_.style, image,
+                         report);
+    });
+  }
+  /// The same by draw_object_in_integers(); nothing with a lens that has no fixed form.
+  int draw_in_integers(const PinholeCamera<float>& camera, const Rigid<float>& T_map_camera,
+                       const MutableImageView& image) {
+    FixedCamera fixed;
+    if (!ok(fixed_of(camera, fixed))) return 0;
+    int order[kMaxObjects] = {};
+    sort_in_integers(T_map_camera, order);
+    return draw_each(order, [&](const Rigid<float>& T_map_object, DrawReport& report) {
+      return draw_object_in_integers(shape_, T_map_object, fixed, T_map_camera, parameters_.style,
+                                     image, report);
+    });
+  }
+
+ private:
+  template <class Draw>
+  int draw_each(const int* order, const Draw& draw) {
     int drawn = 0;
     for (int i = 0; i < places_.size(); ++i) {
       DrawReport report;
-      if (ok(draw_object(shape_, places_[order[i]], camera, T_map_camera, parameters_.style, image,
-                         report))) {
-        ++drawn;
-      }
+      if (ok(draw(places_[order[i]], report))) ++drawn;
     }
     frames_without_ = drawn > 0 ? 0 : frames_without_ + 1;
     return drawn;
   }
-
- private:
   void sort_far_to_near(const Rigid<float>& T_map_camera, int* order) const {
-    float distance[kMaxObjects];
+    sort<float>(order, [&](const Rigid<float>& T_map_object) {
+      const Vector3<float> d = T_map_object.translation - T_map_camera.translation;
+      return d.dot(d);
+    });
+  }
+  void sort_in_integers(const Rigid<float>& T_map_camera, int* order) const {
+    sort<std::int64_t>(order, [&](const Rigid<float>& T_map_object) {
+      std::int64_t squared = 0;
+      std::uint32_t none = 0;
+      for (int i = 0; i < 3; ++i) {
+        const FixedLength d =
+            subtract(fixed_of<FixedLength>(T_map_object.translation(i), none),
+                     fixed_of<FixedLength>(T_map_camera.translation(i), none), none);
+        squared += (std::int64_t{d.raw()} * d.raw()) >> 2;
+      }
+      return squared;
+    });
+  }
+  template <class Distance, class Of>
+  void sort(int* order, const Of& of) const {
+    Distance distance[kMaxObjects];
     for (int i = 0; i < places_.size(); ++i) {
-      const Vector3<float> d = places_[i].translation - T_map_camera.translation;
-      const float squared = d.dot(d);
+      const Distance squared = of(places_[i]);
       int k = i;
       for (; k > 0 && distance[k - 1] < squared; --k) {
         distance[k] = distance[k - 1];

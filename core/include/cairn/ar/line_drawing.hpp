@@ -30,4 +30,27 @@ bool clip_line(int width, int height, int margin_q8, LineQ8& line);
 /// written. Cost: at most (longer side of the image) spans of width_q8 sqrt(2) / 256 + 2 pixels.
 int draw_line(const MutableImageView& image, const LineQ8& line, int width_q8, std::uint8_t grey);
 
+/// The same without floating point; the width is right to 1/256 px.
+int draw_line_in_integers(const MutableImageView& image, const LineQ8& line, int width_q8,
+                          std::uint8_t grey);
+
+namespace detail {
+/// A line within the image, widened by the line's width: along the major axis u, u0 <= u1, and
+/// across it v.
+struct ClippedLine {
+  bool visible = false;
+  int width = 0;  ///< 1/256 px
+  bool steep = false;
+  std::int32_t u0 = 0;
+  std::int32_t v0 = 0;
+  std::int32_t u1 = 0;
+  std::int32_t v1 = 0;
+
+  ClippedLine(const MutableImageView& image, const LineQ8& line, int width_q8);
+};
+/// Draws it with spans of `half` to both sides, 1/256 px.
+int draw_clipped(const MutableImageView& image, const ClippedLine& line, int half,
+                 std::uint8_t grey);
+}  // namespace detail
+
 }  // namespace cairn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/ar/augmenter.hpp"
+#include "cairn/planar/fixed/fixed_vehicle_slam.hpp"
 #include "cairn/runtime/handheld_placement.hpp"
 #include "cairn/runtime/handheld_tracker.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
@@ -38,6 +39,13 @@ PinholeCamera<float> drawing_camera(const HandheldTracker<Config>& tracker) {
   return tracker.filter().camera();
 }
 
+/// Whether a tracker's frames are drawn without floating point.
+template <class Tracker>
+inline constexpr bool kDrawsInIntegers = false;
+template <class Config, int MaxLandmarks>
+inline constexpr bool kDrawsInIntegers<VehicleTracker<Config, FixedVehicleSlam<MaxLandmarks>>> =
+    true;
+
 /// Draws the objects of `augmenter` into `overlay`, as the frame of `report` sees them; nothing
 /// while it is lost. Where the augmenter wants another object and the tracker tracks, one is placed
 /// first. Adds its ticks to `report` as Stage::kRender. Cost: Augmenter::draw() and
@@ -53,7 +61,12 @@ void augment(const Tracker& tracker, Augmenter& augmenter, ObjectPlacement& plac
     }
   }
   if (tracker.state() != TrackingState::kLost) {
-    augmenter.draw(drawing_camera(tracker), report.T_map_camera, overlay);
+    const auto camera = drawing_camera(tracker);
+    if constexpr (kDrawsInIntegers<Tracker>) {
+      augmenter.draw_in_integers(camera, report.T_map_camera, overlay);
+    } else {
+      augmenter.draw(camera, report.T_map_camera, overlay);
+    }
   }
   report.stage_ticks[static_cast<int>(Stage::kRender)] = ticks.now() - start;
 }

@@ -23,6 +23,19 @@ struct FloorParameters {
   }
 };
 
+namespace detail {
+/// Whether a filter can use a camera: kOk of one that does not ask.
+template <class Filter>
+auto check_camera_of(const PinholeCamera<float>& camera, int)
+    -> decltype(Filter::check_camera(camera)) {
+  return Filter::check_camera(camera);
+}
+template <class Filter>
+Status check_camera_of(const PinholeCamera<float>&, long) {
+  return Status::kOk;
+}
+}  // namespace detail
+
 /// A planar SLAM filter, the camera on its vehicle, and the tracker's records of its landmarks,
 /// which come and go together. `Filter`: EkfSlam, LiftedIekfSlam or GroupIekfSlam, LandmarkDim 3.
 ///
@@ -35,7 +48,8 @@ class VehicleEstimate {
   using Landmarks = TrackedLandmarks<kMaxLandmarks>;
   using Matches = FixedVector<PixelMatch<float>, kMaxLandmarks>;
 
-  /// Starts anew without landmarks. Errors: as Filter::initialise(); nothing is changed.
+  /// Starts anew without landmarks. Errors: as Filter::initialise(), and kBadConfig for a camera
+  /// that the filter has no form of; nothing is changed.
   Status initialise(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
                     const PlanarPose<float>& pose, const Matrix3<float>& covariance,
                     const PlanarParameters<float>& filter, float sigma_px,
@@ -179,7 +193,8 @@ Status VehicleEstimate<Filter>::initialise(const PinholeCamera<float>& camera,
                                            const Matrix3<float>& covariance,
                                            const PlanarParameters<float>& filter, float sigma_px,
                                            const FloorParameters& floor) {
-  const Status status = filter_.initialise(pose, covariance, filter);
+  Status status = detail::check_camera_of<Filter>(camera, 0);
+  if (ok(status)) status = filter_.initialise(pose, covariance, filter);
   if (!ok(status)) return status;
   landmarks_.clear();
   next_id_ = 1;

@@ -1,44 +1,11 @@
 #pragma once
 
+#include "cairn/geometry/fixed_camera.hpp"
 #include "cairn/planar/fixed/types.hpp"
 
 namespace cairn {
 
-using FixedTangent = Fixed<std::int32_t, 28>;        ///< of a ray's angles, lens coefficients; +-8
-using FixedPixel = Fixed<std::int32_t, 16>;          ///< px, +-32768
 using FixedPixelVariance = Fixed<std::int64_t, 24>;  ///< px^2
-
-/// As PinholeCamera with Lens::kRadialTangential, without the coefficients of a rational lens.
-struct FixedCamera {
-  FixedPixel fx;
-  FixedPixel fy;
-  FixedPixel cx;
-  FixedPixel cy;
-  FixedTangent k1;
-  FixedTangent k2;
-  FixedTangent p1;
-  FixedTangent p2;
-  FixedTangent k3;
-  int width = 0;
-  int height = 0;
-
-  /// kBadConfig unless focal lengths and size are positive.
-  Status check_numbers() const;
-  /// Whether a pixel lies in the picture, `margin` or more from its border.
-  bool contains(const FixedPixel (&pixel)[2], FixedPixel margin = FixedPixel()) const;
-};
-
-/// Pose of a camera in the vehicle frame: unit quaternion (w, x, y, z) and origin, m.
-struct FixedMount {
-  FixedRatio w = FixedRatio::nearest(1.0);
-  FixedRatio x;
-  FixedRatio y;
-  FixedRatio z;
-  FixedLength origin[3];
-
-  /// kInvalidArgument unless the quaternion's squared length is 1 to 1e-4.
-  Status check() const;
-};
 
 /// Pitch and roll of a vehicle's body, as VehicleTilt.
 struct FixedTilt {
@@ -72,35 +39,8 @@ struct FixedPlannedPixel {
 
 namespace detail {
 
-/// Rotation matrix; row i holds the target's axis i in the source's axes.
-struct FixedRotation {
-  FixedRatio r[3][3];
-
-  FixedRotation() {
-    for (int i = 0; i < 3; ++i) r[i][i] = FixedRatio::nearest(1.0);
-  }
-  FixedRotation operator*(const FixedRotation& other) const;
-  FixedRotation transposed() const;
-  /// R v; saturates, counted.
-  void turn(const FixedLength (&v)[3], FixedLength (&out)[3], std::uint32_t& saturations) const;
-};
-FixedRotation rotation_of(const FixedMount& mount);
 /// From the vehicle's axes, tilted with it, to the level ones.
 FixedRotation rotation_of(const FixedTilt& tilt);
-/// About the vertical, from the level vehicle's axes to the world's.
-FixedRotation rotation_about_vertical(FixedRatio cosine, FixedRatio sine);
-
-/// Pixel of a point, and its derivative without the factors f / z: row 0 by the camera's axes is
-/// fx / z (d00, d01, c0), row 1 fy / z (d01, d11, c1).
-struct FixedProjection {
-  FixedPixel pixel[2];
-  FixedTangent rows[2][3];
-};
-/// False, `out` untouched: nearer than 0.05 m, more than 76 degrees from the axis (with a
-/// distortion 63), or where the distortion turns back on itself, which is looked for at 16 radii.
-bool project(const FixedCamera& camera, const FixedLength (&p_camera)[3], FixedProjection& out,
-             std::uint32_t& saturations);
-
 /// Fraction bits of a pixel's innovation and noise in metres.
 inline constexpr int kPixelBits = 40;
 

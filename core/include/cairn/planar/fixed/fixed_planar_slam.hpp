@@ -6,9 +6,10 @@
 #include "cairn/numeric/random.hpp"
 #include "cairn/planar/detail/landmark_slots.hpp"
 #include "cairn/planar/detail/reacquisition.hpp"
-#include "cairn/planar/fixed/camera.hpp"
+#include "cairn/planar/fixed/covariance3.hpp"
 #include "cairn/planar/fixed/hypothesis.hpp"
 #include "cairn/planar/fixed/motion.hpp"
+#include "cairn/planar/fixed/pixel_sighting.hpp"
 #include "cairn/planar/fixed/rest.hpp"
 #include "cairn/planar/fixed/row_scaled_factor.hpp"
 #include "cairn/planar/fixed/sighting.hpp"
@@ -20,7 +21,7 @@ template <class Filter>
 class FixedPixelUpdate;
 }
 
-/// Error of FixedPlanarSlam's states: GroupErrorModel's or WorldErrorModel's.
+/// Error of the states: GroupErrorModel's or WorldErrorModel's.
 enum class FixedError : std::uint8_t { kGroup, kWorld };
 
 /// PlanarSlam for cores without a floating-point unit: integers alone, of 32 and 64 bits. Use it as
@@ -31,8 +32,8 @@ enum class FixedError : std::uint8_t { kGroup, kWorld };
 /// the plane; 3: with height, for the camera, and with the tilt of the vehicle's body where the
 /// parameters have one.
 ///
-/// Frames, slots and errors: as PlanarSlam. Every input is defined; what does not fit its format
-/// saturates, and saturations() counts it. Two instances are independent, all storage is inside.
+/// Frames, slots and errors: as PlanarSlam. Every input is defined; what does not fit saturates,
+/// counted by saturations(). Two instances are independent, all storage is inside.
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 class FixedPlanarSlam {
   static_assert(LandmarkDim == 2 || (LandmarkDim == 3 && Error == FixedError::kGroup));
@@ -74,13 +75,16 @@ class FixedPlanarSlam {
                                FixedAngle sigma_bearing,
                                FixedRangeBearingPrediction& prediction) const;
 
-  /// Where `slot` is expected in the image of a camera on the vehicle, as
-  /// PlanarSlam::predict_pixel(): the window to search in. Landmarks with height only. Takes in the
+  /// Where `slot` is expected in a picture, as PlanarSlam::predict_pixel(). Takes in the
   /// odometry's noise before. Errors: kNotInitialised, kNotFound, kInvalidArgument (sigma,
   /// mounting), kBadConfig (camera), kOutOfView; `prediction` untouched. Cost: O(n), and as one
   /// landmark's update after odometry.
   Status predict_pixel(int slot, const FixedCamera& camera, const FixedMount& T_vehicle_camera,
                        FixedPixel sigma_px, FixedPixelPrediction& prediction);
+
+  /// The same with the odometry's noise counted, not taken in: nothing changes. Cost: O(n).
+  Status expect_pixel(int slot, const FixedCamera& camera, const FixedMount& T_vehicle_camera,
+                      FixedPixel sigma_px, FixedPixelPrediction& prediction) const;
 
   /// The windows of a frame: predict_pixel() of every landmark that is expected 2 px or more inside
   /// the picture, the most uncertain first, as plan_searches() orders them. Errors: as
@@ -89,10 +93,9 @@ class FixedPlanarSlam {
   Status plan_pixels(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
                      FixedPixel sigma_px, FixedVector<FixedPlannedPixel, MaxLandmarks>& plan);
 
-  /// Updates with landmarks found in the image that lie inside their gates, all linearised at one
-  /// mean, and marks those used. Landmarks with height only. Errors: kNotInitialised,
-  /// kInvalidArgument (too many, sigma, mounting), kBadConfig (camera): nothing is used then. Cost:
-  /// as update_points().
+  /// Updates with landmarks of the image that lie inside their gates, all linearised at one mean,
+  /// and marks those used. Landmarks with height only. Errors: kNotInitialised, kInvalidArgument
+  /// (too many, sigma, mounting), kBadConfig (camera): nothing is used then. Cost: update_points().
   Status update_pixels(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
                        FixedPixel sigma_px, FixedPixelMatch* matches, int count,
                        FixedUpdateReport& report);
@@ -122,10 +125,34 @@ class FixedPlanarSlam {
   /// with it. Errors: as add_landmark().
   Status add_landmark(LandmarkId id, const FixedLength (&y)[3], const FixedCovariance3& noise,
                       LandmarkId* replaced = nullptr);
+  /// Of landmarks with height alone, as PlanarSlam's. Cost: of a landmark n sums of seven terms for
+  /// each coordinate and the odometry's noise; of widen_frame() 4 n^2 turned elements.
+  Status add_position(LandmarkId id);
+  Status add_landmark_on_path(LandmarkId id, const FixedLength (&y)[3],
+                              const FixedCovariance3& noise, LandmarkId past,
+                              const FixedLength (&by_path)[3][2], LandmarkId* replaced = nullptr);
+  Status add_frame_position(LandmarkId id, const FixedCoordinate (&p_world)[3],
+                            const FixedCovariance3& covariance, LandmarkId reference = kNoLandmark);
+  Status add_framed_landmark(LandmarkId id, const FixedCoordinate (&p_world)[3],
+                             const FixedCovariance3& covariance, LandmarkId origin,
+                             LandmarkId ahead, LandmarkId* replaced = nullptr);
+  Status widen_frame(LandmarkId origin, LandmarkId ahead, FixedVariance position,
+                     FixedVariance heading);
   /// Errors: kNotInitialised, kNotFound. Cost: as one landmark's update.
   Status remove_landmark(int slot);
+  /// As PlanarSlam's. Errors: kNotInitialised, kInvalidArgument (negative).
+  Status drift_world(FixedVariance position, FixedVariance heading);
   /// Adds noise to the pose. Errors: kNotInitialised, kInvalidArgument (negative).
   Status widen_pose(FixedVariance position, FixedVariance heading);
+  /// As PlanarSlam::place() and put_back().
+  struct Placement {
+    FixedPose pose;
+    detail::FixedMotionNoise waiting_noise;
+  };
+  Placement place(const FixedPose& pose, FixedVariance position, FixedVariance heading);
+  void put_back(const Placement& before);
+  /// As PlanarSlam::recentre(). Cost: then 2 n multiply-adds for each landmark.
+  bool recentre();
 
   bool initialised() const { return initialised_; }
   int landmark_count() const { return slots_.size(); }
@@ -142,6 +169,12 @@ class FixedPlanarSlam {
   void pose(FixedPose& mean, FixedPoseCovariance& covariance) const;
   FixedLandmark landmark(int slot) const;
 
+  /// As PlanarSlam's of these names. Cost: O(n).
+  FixedPoseCovariance own_pose_covariance() const;
+  FixedPoseCovariance framed_pose_covariance(LandmarkId origin, LandmarkId ahead) const;
+  FixedCovariance3 relative_landmark_covariance(int slot) const;
+  FixedCovariance3 landmark_covariance(int slot) const;
+
   /// Height of a landmark and its variance; 0 of points on the plane.
   FixedCoordinate landmark_height(int slot) const;
   FixedVariance landmark_height_variance(int slot) const;
@@ -149,13 +182,14 @@ class FixedPlanarSlam {
   bool tilts() const { return LandmarkDim == 3 && parameters_.tilt.tilts(); }
   FixedTilt tilt() const { return tilt_; }
   FixedCovariance2 tilt_covariance() const;
+  /// Variances of what `dt_s` seconds add to it.
+  FixedCovariance2 tilt_noise(FixedOffset dt_s) const;
   /// Covariance of two elements of the error without the odometry that no update has taken in yet:
   /// heading, xi_x, xi_y, pitch and roll where the body tilts, landmarks. Cost: O(n).
   FixedVariance factor_covariance(int i, int j) const {
     std::uint32_t none = 0;
     return FixedVariance::from_raw(factor_.covariance(i, j, none));
   }
-  /// First state of a landmark.
   int state_of(int slot) const { return vehicle_states() + LandmarkDim * order_[slot]; }
 
   const Health& health() const { return health_; }
@@ -167,27 +201,11 @@ class FixedPlanarSlam {
  private:
   static constexpr bool kWorld = Error == FixedError::kWorld;
   static constexpr int kPoseStates = 3;  // heading, x, y; then the tilt, then the landmarks
+  static constexpr int kFullRow =
+      kStates <= 64 ? 3 : (kStates <= 256 ? 4 : 5);  // 4^ states or more
   using PixelView = detail::FixedCameraView;
+  using PixelSighting = detail::FixedPixelSighting;
   friend class detail::FixedPixelUpdate<FixedPlanarSlam>;
-
-  /// Up to two rows of one landmark, in metres.
-  struct PixelSighting {
-    int slot = -1;
-    int source = -1;
-    int rows = 2;
-    FixedTangent h[2][3];
-    FixedLength tilt[2][2];
-    std::int64_t innovation[2];  ///< detail::kPixelBits
-    std::int64_t sigma[2];
-    std::int64_t per_pixel[2];  ///< see FixedPixelRows
-    FixedCovariance2 own;       ///< of the innovations without their noise, before the update
-
-    /// Of row i's noise, m^2.
-    FixedVariance noise(int i, std::uint32_t& saturations) const {
-      constexpr int kDown = 2 * detail::kPixelBits - FixedVariance::kFractionBits;
-      return FixedVariance::from_raw(wide::multiply(sigma[i], sigma[i], kDown, saturations));
-    }
-  };
 
   template <class Observation>
   Status update(Span<Observation> observations, FixedLength sensor_offset,
@@ -207,14 +225,21 @@ class FixedPlanarSlam {
   void finish_update(int used, FixedUpdateReport& report);
   Status check_camera(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
                       FixedPixel sigma_px) const;
-  PixelView camera_view(const FixedCamera& camera, const FixedMount& T_vehicle_camera);
+  PixelView camera_view(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
+                        std::uint32_t& saturations) const;
   detail::FixedStateRow row_of(const PixelSighting& sighting, int row) const;
   bool sight(const PixelView& view, int slot, FixedPixel sigma_px, PixelSighting& out,
-             detail::FixedPixelRows& rows);
+             detail::FixedPixelRows& rows, std::int32_t* scratch, std::uint32_t& saturations) const;
   bool expect(const PixelView& view, int slot, FixedPixel sigma_px,
-              FixedPixelPrediction& prediction);
-  FixedCovariance2 innovation_of(const PixelSighting& sighting, std::uint32_t& saturations);
+              FixedPixelPrediction& prediction, std::int32_t* scratch,
+              std::uint32_t& saturations) const;
+  FixedCovariance2 innovation_of(const PixelSighting& sighting, std::int32_t* scratch,
+                                 std::uint32_t& saturations) const;
+  FixedCovariance2 waiting_noise(int slot, std::uint32_t& saturations) const;
+  static FixedVariance form(const FixedCovariance2& c, const FixedTangent (&a)[3],
+                            const FixedTangent (&b)[3], std::uint32_t& saturations);
   void start_tilt();
+  std::int64_t tilt_decay(FixedOffset dt_s) const;
   void keep_tilt(const FixedCovariance2& tilt);
   void widen_landmark(int slot, int doublings);
   void end_rest();
@@ -225,6 +250,24 @@ class FixedPlanarSlam {
   Status make_room(LandmarkId id, LandmarkId* replaced);
   void remove_states(int slot);
   void append_row(int from, std::int64_t first, std::int64_t second, int fraction);
+  detail::FixedRotation vehicle_axes() const;
+  void enter(LandmarkId id, bool pinned = false);
+  void prepare_to_append(bool shares);
+  void append_states(const detail::FixedStateRow (&rows)[3], const detail::FixedCholesky3& noise,
+                     int spare);
+  void place_beside_vehicle(const detail::FixedRotation& rotation, const FixedLength (&y)[3],
+                            detail::FixedStateRow (&rows)[3]);
+  Status add_seen(LandmarkId id, const FixedLength (&y)[3], const FixedCovariance3& noise,
+                  LandmarkId past, const FixedLength (*by_path)[2], LandmarkId* replaced);
+  void add_path(const detail::FixedRotation& rotation, int past, const FixedLength (*by_path)[2],
+                detail::FixedStateRow (&rows)[3]);
+  void place_in_world(const FixedCoordinate (&p_world)[3]);
+  bool place_in_frame(FixedCoordinate x, FixedCoordinate y, int origin, int ahead,
+                      FixedLength (&lambda)[2], std::uint32_t& saturations) const;
+  void move_pose(const FixedPose& pose);
+  void move_anchor();
+  void shear(int first, const FixedLength (&by)[2]);
+  FixedCovariance3 covariance_of(const detail::FixedStateRow (&rows)[3]) const;
 
   int vehicle_states() const { return kPoseStates + (tilts() ? 2 : 0); }
   /// Fraction bits of the correction of state i.
@@ -257,7 +300,7 @@ class FixedPlanarSlam {
     return convert<FixedLength>(subtract(p_[slot][axis], from, none), none);
   }
   FixedCovariance2 relative_covariance(int slot, std::uint32_t& saturations) const;
-  FixedPoseCovariance error_covariance(std::uint32_t& saturations) const;
+  FixedPoseCovariance error_covariance(std::uint32_t& saturations, bool with_shared = true) const;
 
   FixedPlanarParameters parameters_;
   Health health_;
@@ -296,8 +339,10 @@ class FixedPlanarSlam {
 
 }  // namespace cairn
 
+#include "cairn/planar/fixed/fixed_planar_slam_frame_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_heights_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_impl.hpp"
+#include "cairn/planar/fixed/fixed_planar_slam_map_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_pixel_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_read_out.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_records_impl.hpp"

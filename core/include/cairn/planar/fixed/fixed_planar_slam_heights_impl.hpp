@@ -50,6 +50,29 @@ void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::keep_tilt(const FixedCov
   }
 }
 
+/// Share of a tilt that is left, 44 fraction bits.
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+std::int64_t FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::tilt_decay(FixedOffset dt_s) const {
+  constexpr int kBits = 44;
+  std::uint32_t none = 0;  // ages and more than ages leave nothing
+  return exp_negative_44(
+      wide::divide(dt_s.raw(), parameters_.tilt.time_constant.raw(), kBits, none));
+}
+
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedCovariance2 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::tilt_noise(
+    FixedOffset dt_s) const {
+  std::uint32_t none = 0;
+  const FixedVariance decay = FixedVariance::from_raw(tilt_decay(dt_s));
+  constexpr FixedVariance kOne = FixedVariance::nearest(1.0);
+  const FixedVariance share = subtract(kOne, multiply<FixedVariance>(decay, decay, none), none);
+  const auto noise = [&](FixedAngle sigma) {
+    const auto variance = multiply<FixedVariance>(sigma, sigma, none);
+    return multiply<FixedVariance>(share, variance, none);
+  };
+  return {noise(parameters_.tilt.sigma_pitch), {}, noise(parameters_.tilt.sigma_roll)};
+}
+
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_tilt(FixedOffset dt_s) {
   constexpr int kBits = 44;
@@ -58,9 +81,7 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_tilt(FixedOffs
   if (dt_s.raw() < 0) return Status::kInvalidArgument;
   if (!tilts() || rest_.hold_time(dt_s)) return Status::kOk;
   const FixedTiltParameters& p = parameters_.tilt;
-  std::uint32_t none = 0;  // ages and more than ages leave nothing
-  const std::int64_t decay =
-      exp_negative_44(wide::divide(dt_s.raw(), p.time_constant.raw(), kBits, none));
+  const std::int64_t decay = tilt_decay(dt_s);
   const auto left = FixedRatio::from_raw(
       static_cast<std::int32_t>(wide::round_shift(decay, kBits - FixedRatio::kFractionBits)));
   const FixedRoot added = square_root(
@@ -85,78 +106,46 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::predict_tilt(FixedOffs
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_landmark(
-    LandmarkId id, const FixedLength (&y)[3], const FixedCovariance3& noise, LandmarkId* replaced) {
-  if constexpr (LandmarkDim == 2) {
-    static_cast<void>(id), static_cast<void>(y), static_cast<void>(noise);
-    static_cast<void>(replaced);
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update_height(LandmarkId id,
+                                                                        FixedLength height,
+                                                                        FixedLength sigma,
+                                                                        FixedScore gate) {
+  if constexpr (LandmarkDim != 3) {
+    static_cast<void>(id), static_cast<void>(height), static_cast<void>(sigma);
+    static_cast<void>(gate);
     return Status::kInvalidArgument;
   } else {
-    constexpr int kBits = detail::FixedCholesky3::kBits;
+    constexpr int kScoreBits = 20;
+    constexpr int kFiner = detail::kPixelBits - FixedLength::kFractionBits;
     if (!initialised_) return Status::kNotInitialised;
-    const detail::FixedAxes axes(heading_);
-    detail::FixedRotation rotation = detail::rotation_about_vertical(axes.cosine, axes.sine);
-    if (tilts()) rotation = rotation * detail::rotation_of(tilt_);
-    detail::FixedCholesky3 own;
-    std::uint32_t none = 0;
-    const FixedCovariance3 of_world = detail::turned(noise, rotation, none);
-    if (!detail::cholesky(noise, own, none) || !detail::cholesky(of_world, own, none)) {
-      return Status::kInvalidArgument;
+    if (sigma.raw() <= 0 || gate.raw() <= 0) return Status::kInvalidArgument;
+    PixelSighting& seen = pixels_[0];
+    const int slot = find(id);
+    if (slot < 0) return Status::kNotFound;
+    seen = PixelSighting();
+    seen.slot = slot;
+    seen.rows = 1;
+    seen.h[0][2] = FixedTangent::nearest(1.0);
+    const FixedLength missed =
+        subtract(height, convert<FixedLength>(landmark_height(slot), saturations_), saturations_);
+    seen.innovation[0] = missed.raw() * (std::int64_t{1} << kFiner);
+    seen.sigma[0] = sigma.raw() * (std::int64_t{1} << kFiner);
+    const auto noise =
+        multiply<FixedVariance>(convert<Fixed<std::int64_t, 24>>(sigma, saturations_),
+                                Fixed<std::int64_t, 20>::from_raw(sigma.raw()), saturations_);
+    const FixedRoot root =
+        square_root(add(landmark_height_variance(slot), noise, saturations_).raw(),
+                    FixedVariance::kFractionBits);
+    std::uint32_t none = 0;  // a distance too large for its format is large
+    const std::int64_t y =
+        wide::narrow(wide::divide(seen.innovation[0], root.mantissa,
+                                  kScoreBits + root.bits - detail::kPixelBits, none),
+                     none);
+    if (wide::round_shift(y * y, 2 * kScoreBits - FixedScore::kFractionBits) > gate.raw()) {
+      return Status::kGated;
     }
-    const Status status = make_room(id, replaced);
-    if (!ok(status)) return status;
-    // What rested may tilt by now.
-    end_rest();
-    if (slots_.size() == 0) {
-      share_pose_error();
-    } else {
-      absorb_motion();
-    }
-    if (tilts()) {
-      rotation =
-          detail::rotation_about_vertical(axes.cosine, axes.sine) * detail::rotation_of(tilt_);
-    }
-    (void)detail::cholesky(detail::turned(noise, rotation, none), own, saturations_);
-    FixedLength seen[3];
-    rotation.turn(y, seen, saturations_);
-    const int slot = slots_.size();
-    order_[slot] = static_cast<std::int16_t>(slot);
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto at = convert<FixedCoordinate>(seen[axis], saturations_);
-      p_[slot][axis] = axis < 2 ? add(x_[axis], at, saturations_) : at;
-    }
-    // Errors: the vehicle's own, the tilt's turn about its axes, and the noise.
-    const detail::FixedCameraView level({}, {}, axes.cosine, axes.sine, tilts() ? &tilt_ : nullptr,
-                                        saturations_);
-    const int first = state_of(slot);
-    for (int axis = 0; axis < 3; ++axis) {
-      const int next = (axis + 1) % 3;
-      const int last = (axis + 2) % 3;
-      FixedLength by_tilt[2];
-      for (int k = 0; k < 2; ++k) {
-        by_tilt[k] = subtract(multiply<FixedLength>(seen[last], level.axes[k][next], saturations_),
-                              multiply<FixedLength>(seen[next], level.axes[k][last], saturations_),
-                              saturations_);
-      }
-      const auto element = [&](int column) {
-        std::int64_t sum = column >= first && column - first <= axis ? own.at(axis, column - first)
-                                                                     : std::int64_t{0};
-        const auto enter = [&](int state, std::int64_t factor, int fraction) {
-          if (column > state) return;
-          const std::int64_t part = wide::scale(factor * factor_.at(state, column),
-                                                kBits - fraction - factor_.bits(state), none);
-          sum = wide::add(sum, part, none);
-        };
-        if (axis < 2) enter(1 + axis, 1, 0);
-        for (int k = 0; tilts() && k < 2; ++k) {
-          enter(kTiltState + k, by_tilt[k].raw(), FixedLength::kFractionBits);
-        }
-        return sum;
-      };
-      factor_.append(kBits, element, saturations_, 2);
-    }
-    slots_.push(id, updates_);
-    ++health_.landmarks_added;
+    FixedUpdateReport report;
+    apply(pixels_, 1, report);
     return Status::kOk;
   }
 }

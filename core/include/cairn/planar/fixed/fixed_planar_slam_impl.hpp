@@ -118,19 +118,10 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::widen_pose(FixedVarian
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::turn_with_heading() {
   if (moved_[0].raw() == 0 && moved_[1].raw() == 0) return;
-  constexpr int kGrowth = 2;  // the two parts of an element may add up
-  const std::int64_t heading = factor_.at(0, 0);
-  const int bits = factor_.bits(0) + FixedLength::kFractionBits;
   const FixedLength by[2] = {-convert<FixedLength>(moved_[1], saturations_),
                              convert<FixedLength>(moved_[0], saturations_)};
-  for (int axis = 0; axis < 2; ++axis) {
-    const std::int64_t part = heading * by[axis].raw();
-    const int length = wide::bit_length(wide::magnitude(part));
-    if (factor_.make_room(1 + axis, 2 * (length - bits), saturations_, kGrowth)) {
-      factor_.add(1 + axis, 0, part, bits, saturations_);
-    }
-    moved_[axis] = FixedCoordinate();
-  }
+  shear(1, by);
+  for (FixedCoordinate& moved : moved_) moved = FixedCoordinate();
 }
 
 /// Adds the noise of the odometry to the factor: -J p (heading) on every point p of the group's

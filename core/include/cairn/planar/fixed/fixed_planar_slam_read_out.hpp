@@ -8,7 +8,7 @@ namespace cairn {
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 FixedPoseCovariance FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::error_covariance(
-    std::uint32_t& saturations) const {
+    std::uint32_t& saturations, bool with_shared) const {
   if constexpr (kWorld) {
     const auto of = [&](int i, int k) {
       return FixedVariance::from_raw(factor_.covariance(i, k, saturations));
@@ -28,7 +28,8 @@ FixedPoseCovariance FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::error_cov
   FixedPoseCovariance sum = motion_.about(vehicle(0), vehicle(1), saturations);
   const auto enter = [&](FixedVariance& to, FixedVariance shared, int i, int k) {
     const auto own = FixedVariance::from_raw(factor_.covariance(i, k, saturations));
-    to = add(add(to, shared, saturations), own, saturations);
+    if (with_shared) to = add(to, shared, saturations);
+    to = add(to, own, saturations);
   };
   enter(sum.heading, shared_.heading, 0, 0);
   enter(sum.x_heading, shared_.x_heading, 1, 0);
@@ -68,6 +69,81 @@ void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::pose(
     to = add(anchor_[axis], multiply<FixedCoordinate>(x_[axis], moments.shrink, none), none);
   }
   mean.heading = heading_;
+}
+
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedPoseCovariance FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::own_pose_covariance() const {
+  std::uint32_t none = 0;
+  const FixedPoseCovariance own = error_covariance(none, false);
+  if (kWorld) return own;
+  return detail::turned_point_moments(vehicle(0), vehicle(1), own, none).covariance;
+}
+
+/// Covariance of three rows over the states, without odometry that waits and what all share.
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedCovariance3 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::covariance_of(
+    const detail::FixedStateRow (&rows)[3]) const {
+  constexpr int kBits = 40;
+  constexpr int kDown = 2 * kBits - FixedVariance::kFractionBits;
+  std::uint32_t none = 0;
+  std::int64_t sums[6] = {};
+  for (int column = 0; column < factor_.size(); ++column) {
+    std::int64_t v[3] = {};
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < rows[i].count; ++k) {
+        const int state = rows[i].state[k];
+        if (column > state) continue;
+        const std::int64_t part = rows[i].coefficient[k] * factor_.at(state, column);
+        const int shift = kBits - rows[i].bits[k] - factor_.bits(state);
+        v[i] = wide::add(v[i], wide::scale(part, shift, none), none);
+      }
+    }
+    for (int i = 0, at = 0; i < 3; ++i) {
+      for (int j = 0; j <= i; ++j, ++at) {
+        sums[at] = wide::add(sums[at], wide::multiply(v[i], v[j], kDown, none), none);
+      }
+    }
+  }
+  FixedVariance c[6];
+  for (int k = 0; k < 6; ++k) c[k] = FixedVariance::from_raw(sums[k]);
+  return {c[0], c[1], c[2], c[3], c[4], c[5]};
+}
+
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedCovariance3 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::relative_landmark_covariance(
+    int slot) const {
+  std::uint32_t none = 0;
+  detail::FixedStateRow rows[3];
+  for (int axis = 0; axis < LandmarkDim; ++axis) {
+    rows[axis].add(state_of(slot) + axis, 1, 0);
+    if (axis < 2) rows[axis].add(1 + axis, -1, 0);
+  }
+  FixedCovariance3 out = covariance_of(rows);
+  const FixedCovariance2 waiting = waiting_noise(slot, none);
+  out.xx = add(out.xx, waiting.xx, none);
+  out.xy = add(out.xy, waiting.xy, none);
+  out.yy = add(out.yy, waiting.yy, none);
+  return out;
+}
+
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+FixedCovariance3 FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::landmark_covariance(
+    int slot) const {
+  std::uint32_t none = 0;
+  const FixedCovariance2 plane = landmark(slot).covariance;
+  FixedCovariance3 out = {plane.xx, plane.xy, plane.yy, {}, {}, landmark_height_variance(slot)};
+  if (LandmarkDim != 3 || kWorld) return out;
+  const int l = state_of(slot);
+  const FixedVariance turn = factor_covariance(l + 2, 0);
+  const FixedVariance rho = FixedVariance::from_raw(
+      exp_negative_44(wide::round_shift(error_covariance(none).heading.raw(), 1)));
+  const auto with_height = [&](int axis, FixedLength by) {
+    const auto turned = multiply<FixedVariance>(multiply<FixedVariance>(turn, rho, none), by, none);
+    return add(factor_covariance(l + 2, l + axis), turned, none);
+  };
+  out.xz = with_height(0, -landmark_local(slot, 1));
+  out.yz = with_height(1, landmark_local(slot, 0));
+  return out;
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>

@@ -92,7 +92,9 @@ class FixedPixelUpdate {
     for (int k = 0; k < count; ++k) matches_[filter_.pixels_[k].source].inlier = true;
   }
 
-  FixedCameraView look() { return filter_.camera_view(camera_, T_vehicle_camera_); }
+  FixedCameraView look() {
+    return filter_.camera_view(camera_, T_vehicle_camera_, filter_.saturations_);
+  }
 
   /// Fills pixels_ with the matches of known landmarks inside their gates.
   void collect() {
@@ -118,7 +120,7 @@ class FixedPixelUpdate {
     sighting.source = source;
     if (linearise(view, sighting)) {
       std::uint32_t& saturations = filter_.saturations_;
-      sighting.own = filter_.innovation_of(sighting, saturations);
+      sighting.own = filter_.innovation_of(sighting, filter_.scratch_, saturations);
       const FixedVariance noise[2] = {sighting.noise(0, saturations),
                                       sighting.noise(1, saturations)};
       const FixedScore score =
@@ -135,7 +137,10 @@ class FixedPixelUpdate {
   /// At the mean as it is now; false where it has no pixel.
   bool linearise(const FixedCameraView& view, Sighting& sighting) {
     FixedPixelRows rows;
-    if (!filter_.sight(view, sighting.slot, sigma_px_, sighting, rows)) return false;
+    if (!filter_.sight(view, sighting.slot, sigma_px_, sighting, rows, filter_.scratch_,
+                       filter_.saturations_)) {
+      return false;
+    }
     innovation(sighting, rows.pixel, sighting.innovation);
     return true;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/estimation/observation.hpp"
+#include "cairn/geometry/fixed_camera.hpp"
 #include "cairn/numeric/fixed_math.hpp"
 #include "cairn/planar/fixed/ransac.hpp"
 #include "cairn/planar/increment.hpp"

@@ -1,0 +1,245 @@
+#include "fixed_visibility.hpp"
+
+namespace cairn::detail {
+namespace {
+
+using Count = std::uint32_t;
+constexpr int kFarthestBits = 29;  // of a coordinate: products of two and their sums fit 64 bits
+constexpr int kShareBits = 16;
+
+using Pieces = FixedVector<EdgePiece, VirtualObject::kMaxParts + 1>;
+
+struct HalfSpace {  // normal . p <= offset, p from the eye
+  std::int32_t normal[3];
+  std::int64_t offset;
+  std::int64_t length;  ///< of the normal, the sum of its coordinates' magnitudes
+};
+/// The shadow of a convex part: its front faces and the planes of its outline.
+using Shadow = FixedVector<HalfSpace, ConvexPart::kMaxFaces + ConvexPart::kMaxVertices>;
+
+std::int64_t dot(const std::int32_t (&a)[3], const Point& p) {
+  return std::int64_t{a[0]} * p.at[0] + std::int64_t{a[1]} * p.at[1] + std::int64_t{a[2]} * p.at[2];
+}
+
+void set_normal(const Vector3<float>& normal, HalfSpace& plane) {
+  Count none = 0;
+  for (int i = 0; i < 3; ++i) plane.normal[i] = fixed_of<FixedRatio>(normal(i), none).raw();
+}
+
+void add_plane(HalfSpace plane, Shadow& shadow) {
+  plane.length = 0;
+  for (const std::int32_t n : plane.normal) plane.length += n < 0 ? -std::int64_t{n} : n;
+  shadow.push_back(plane);
+}
+
+/// The plane through the eye and an edge of the outline, `centre` on its inner side.
+HalfSpace outline_plane(const Point& a, const Point& b, const Point& centre) {
+  std::int64_t n[3];
+  std::uint64_t largest = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    const int k = (i + 2) % 3;
+    n[i] = std::int64_t{a.at[j]} * b.at[k] - std::int64_t{a.at[k]} * b.at[j];
+    largest |= wide::magnitude(n[i]);
+  }
+  const int shift = wide::bit_length(largest) - 30;
+  HalfSpace plane = {};
+  for (int i = 0; i < 3; ++i) {
+    plane.normal[i] = static_cast<std::int32_t>(shift > 0 ? n[i] >> shift : n[i]);
+  }
+  if (dot(plane.normal, centre) > 0) {
+    for (std::int32_t& value : plane.normal) value = -value;
+  }
+  return plane;
+}
+
+/// False when the eye is inside the part: it has no outline then and hides nothing.
+bool cast_shadow(const ObjectScene& scene, int q, Shadow& shadow) {
+  if (scene.front[q] == 0) return false;
+  const ConvexPart& part = scene.object.parts[q];
+  const Point* const vertices = scene.vertices[q];
+  shadow.clear();
+  Point centre = {};
+  for (int i = 0; i < 3; ++i) {
+    std::int64_t sum = 0;
+    for (int k = 0; k < part.vertices.size(); ++k) sum += vertices[k].at[i];
+    centre.at[i] = static_cast<std::int32_t>(sum / part.vertices.size());
+  }
+  for (const ConvexPart::Edge& edge : part.edges) {
+    if (scene.is_front(q, edge.face_left) == scene.is_front(q, edge.face_right)) continue;
+    add_plane(outline_plane(vertices[edge.a], vertices[edge.b], centre), shadow);
+  }
+  for (int f = 0; f < part.faces.size(); ++f) {
+    if (!scene.is_front(q, f)) continue;
+    HalfSpace plane;
+    set_normal(part.faces[f].normal, plane);
+    plane.offset = dot(plane.normal, vertices[part.faces[f].vertices[0]]);
+    add_plane(plane, shadow);
+  }
+  return true;
+}
+
+/// What is to be seen of an edge, and what one shadow hides of it.
+struct EdgeView {
+  Pieces pieces;  ///< empty: the edge is hidden
+  bool cut = false;
+  bool inside = false;     ///< may still be inside the shadow
+  EdgePiece hidden;        ///< of the shadow
+  std::int64_t touch = 0;  ///< by which it may enter a part, m
+};
+
+/// Takes one half-space into the hidden intervals of a part's edges. False when nothing of them is
+/// inside.
+bool cut_by_plane(const HalfSpace& plane, const ConvexPart& part, const Point* vertices,
+                  EdgeView* edges) {
+  std::int64_t distance[ConvexPart::kMaxVertices];
+  bool any = false;
+  for (int k = 0; k < part.vertices.size(); ++k) {
+    distance[k] = dot(plane.normal, vertices[k]) - plane.offset;
+    any = any || distance[k] <= 0;
+  }
+  if (!any) return false;
+  any = false;
+  for (int e = 0; e < part.edges.size(); ++e) {
+    EdgeView& edge = edges[e];
+    if (!edge.inside) continue;
+    const std::int64_t margin = edge.touch * plane.length;
+    const std::int64_t at_a = distance[part.edges[e].a] + margin;
+    const std::int64_t at_b = distance[part.edges[e].b] + margin;
+    if (at_a > 0 && at_b > 0) {
+      edge.inside = false;
+      continue;
+    }
+    any = true;
+    if (at_a <= 0 && at_b <= 0) continue;
+    if (at_a > 0) {
+      const std::uint16_t t = share_of(at_a, -at_b);
+      if (t > edge.hidden.begin) edge.hidden.begin = t;
+    } else {
+      const std::uint16_t t = share_of(-at_a, at_b);
+      if (t < edge.hidden.end) edge.hidden.end = t;
+    }
+  }
+  return any;
+}
+
+void cut(const EdgePiece& hidden, Pieces& pieces) {
+  Pieces kept;
+  for (const EdgePiece& piece : pieces) {
+    if (hidden.end <= piece.begin || hidden.begin >= piece.end) {
+      kept.push_back(piece);
+      continue;
+    }
+    if (hidden.begin > piece.begin) kept.push_back({piece.begin, hidden.begin});
+    if (hidden.end < piece.end) kept.push_back({hidden.end, piece.end});
+  }
+  pieces = kept;
+}
+
+/// What is to be seen of the edges of part `p`.
+/// `shadow`: memory.
+void find_visible_edges(const ObjectScene& scene, int p, Shadow& shadow, EdgeView* edges) {
+  constexpr int kTouchBits = 11;  // 1/2048 of the length
+  const ConvexPart& part = scene.object.parts[p];
+  const Point* const vertices = scene.vertices[p];
+  for (int e = 0; e < part.edges.size(); ++e) {
+    const ConvexPart::Edge& edge = part.edges[e];
+    edges[e].pieces.clear();
+    edges[e].cut = false;
+    if (!scene.is_front(p, edge.face_left) && !scene.is_front(p, edge.face_right)) continue;
+    edges[e].pieces.push_back(EdgePiece());
+    std::int64_t length = 0;
+    for (int i = 0; i < 3; ++i) {
+      const std::int64_t by = std::int64_t{vertices[edge.b].at[i]} - vertices[edge.a].at[i];
+      length += by < 0 ? -by : by;
+    }
+    edges[e].touch = length >> kTouchBits;
+  }
+  for (int q = 0; q < scene.object.parts.size(); ++q) {
+    if (q == p || !cast_shadow(scene, q, shadow)) continue;
+    for (int e = 0; e < part.edges.size(); ++e) {
+      edges[e].inside = !edges[e].pieces.empty();
+      edges[e].hidden = EdgePiece();
+    }
+    bool any = true;
+    for (int k = 0; any && k < shadow.size(); ++k) {
+      any = cut_by_plane(shadow[k], part, vertices, edges);
+    }
+    for (int e = 0; any && e < part.edges.size(); ++e) {
+      if (!edges[e].inside || edges[e].hidden.end <= edges[e].hidden.begin) continue;
+      edges[e].cut = true;
+      cut(edges[e].hidden, edges[e].pieces);
+    }
+  }
+}
+
+}  // namespace
+
+/// False where a vertex is too far away.
+bool make_scene(const Point& eye, ObjectScene& scene) {
+  Count lost = 0;
+  for (int p = 0; p < scene.object.parts.size(); ++p) {
+    const ConvexPart& part = scene.object.parts[p];
+    for (int k = 0; k < part.vertices.size(); ++k) {
+      for (int i = 0; i < 3; ++i) {
+        const std::int64_t from_eye =
+            std::int64_t{fixed_of<FixedLength>(part.vertices[k](i), lost).raw()} - eye.at[i];
+        if (wide::bit_length(wide::magnitude(from_eye)) > kFarthestBits) return false;
+        scene.vertices[p][k].at[i] = static_cast<std::int32_t>(from_eye);
+      }
+    }
+    scene.front[p] = 0;
+    for (int f = 0; f < part.faces.size(); ++f) {
+      HalfSpace plane;
+      set_normal(part.faces[f].normal, plane);
+      const Point& on_face = scene.vertices[p][part.faces[f].vertices[0]];
+      if (dot(plane.normal, on_face) < 0) scene.front[p] |= 1U << f;
+    }
+  }
+  return lost == 0;
+}
+
+/// a / (a + b), both above or at 0, one of them above.
+std::uint16_t share_of(std::int64_t a, std::int64_t b) {
+  const std::uint64_t sum = static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b);
+  const int down = wide::bit_length(sum) - kShareBits;
+  if (down <= 0) {
+    return static_cast<std::uint16_t>(static_cast<std::uint32_t>(a) * kWholeEdge /
+                                      static_cast<std::uint32_t>(sum));
+  }
+  const auto part = static_cast<std::uint32_t>(static_cast<std::uint64_t>(a) >> down);
+  return static_cast<std::uint16_t>(part * kWholeEdge / static_cast<std::uint32_t>(sum >> down));
+}
+
+/// Turns the scene's vertices to the camera's axes afterwards.
+void find_visible_pieces(ObjectScene& scene, const FixedRotation& R_camera_object,
+                         VisiblePieces& visible, DrawReport& report) {
+  const int parts = scene.object.parts.size();
+  Shadow shadow;
+  EdgeView edges[ConvexPart::kMaxEdges];
+  for (int p = 0; p < parts; ++p) {
+    find_visible_edges(scene, p, shadow, edges);
+    for (int e = 0; e < scene.object.parts[p].edges.size(); ++e) {
+      report.edges += edges[e].pieces.empty() && !edges[e].cut ? 0 : 1;
+      report.cut += edges[e].cut ? 1 : 0;
+      for (const EdgePiece& piece : edges[e].pieces) {
+        const VisiblePiece seen = {static_cast<std::uint8_t>(p), static_cast<std::uint8_t>(e),
+                                   piece};
+        if (!visible.push_back(seen)) ++report.left_out;
+      }
+    }
+  }
+  Count none = 0;
+  for (int p = 0; p < parts; ++p) {
+    for (int k = 0; k < scene.object.parts[p].vertices.size(); ++k) {
+      Point& vertex = scene.vertices[p][k];
+      FixedLength v[3];
+      FixedLength turned[3];
+      for (int i = 0; i < 3; ++i) v[i] = FixedLength::from_raw(vertex.at[i]);
+      R_camera_object.turn(v, turned, none);
+      for (int i = 0; i < 3; ++i) vertex.at[i] = turned[i].raw();
+    }
+  }
+}
+
+}  // namespace cairn::detail
