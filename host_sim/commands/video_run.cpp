@@ -78,10 +78,12 @@ std::string filter_of(const RunOptions& options, Mode mode) {
     throw UsageError(
         fmt::format("--filter {}: handheld mode runs with mono or window", options.filter));
   }
-  const bool without_camera = options.filter == "group-iekf-fixed" || options.filter == "ekf-fixed";
+  const bool without_camera = options.filter == "ekf-fixed";
   if (mode == Mode::kVehicle && (handheld || without_camera)) {
-    throw UsageError(fmt::format(
-        "--filter {}: vehicle mode runs with group-iekf, lifted-iekf or ekf", options.filter));
+    throw UsageError(
+        fmt::format("--filter {}: vehicle mode runs with group-iekf, group-iekf-fixed, lifted-iekf "
+                    "or ekf",
+                    options.filter));
   }
   return options.filter;
 }

@@ -2,6 +2,7 @@
 
 #include "cairn/base/config.hpp"
 #include "cairn/planar/ekf_slam.hpp"
+#include "cairn/planar/fixed/fixed_vehicle_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/planar/lifted/lifted_iekf_slam.hpp"
 #include "cairn/runtime/handheld_tracker.hpp"
@@ -22,6 +23,9 @@
 #define CAIRN_TRACKER_group_iekf(prefix, Config)                                \
   prefix class PlanarSlam<GroupErrorModel<float, Config::kMaxLandmarks, 3, 2>>; \
   CAIRN_VEHICLE_TRACKER(prefix, Config, GroupIekfSlam<float, Config::kMaxLandmarks, 3>)
+#define CAIRN_TRACKER_group_iekf_fixed(prefix, Config)  \
+  prefix class FixedVehicleSlam<Config::kMaxLandmarks>; \
+  CAIRN_VEHICLE_TRACKER(prefix, Config, FixedVehicleSlam<Config::kMaxLandmarks>)
 #define CAIRN_TRACKER_lifted_iekf(prefix, Config)                             \
   prefix class PlanarSlam<LiftedErrorModel<float, Config::kMaxLandmarks, 3>>; \
   CAIRN_VEHICLE_TRACKER(prefix, Config, LiftedIekfSlam<float, Config::kMaxLandmarks, 3>)
@@ -30,10 +34,10 @@
   prefix class HandheldTracker<Config>;
 #define CAIRN_TRACKER_window(prefix, Config) prefix class WindowTracker<Config>;
 
-#define CAIRN_TRACKERS(prefix, Config)                                             \
-  CAIRN_TRACKER_ekf(prefix, Config) CAIRN_TRACKER_group_iekf(prefix, Config)       \
-      CAIRN_TRACKER_lifted_iekf(prefix, Config) CAIRN_TRACKER_mono(prefix, Config) \
-          CAIRN_TRACKER_window(prefix, Config)
+#define CAIRN_TRACKERS(prefix, Config)                                                         \
+  CAIRN_TRACKER_ekf(prefix, Config) CAIRN_TRACKER_group_iekf(prefix, Config)                   \
+      CAIRN_TRACKER_group_iekf_fixed(prefix, Config) CAIRN_TRACKER_lifted_iekf(prefix, Config) \
+          CAIRN_TRACKER_mono(prefix, Config) CAIRN_TRACKER_window(prefix, Config)
 // NOLINTEND(bugprone-macro-parentheses)
 
 namespace cairn {

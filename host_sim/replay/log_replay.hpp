@@ -112,6 +112,8 @@ Status replay_frames(InputLogReader<LogFile>& reader, const InputLogHeader& head
     case LogFilter::kLiftedIekf:
       return replay_on<VehicleTracker<Config, LiftedIekfSlam<float, kMax, 3>>>(reader, header,
                                                                                on_frame);
+    case LogFilter::kGroupIekfFixed:
+      return replay_on<VehicleTracker<Config, FixedVehicleSlam<kMax>>>(reader, header, on_frame);
     case LogFilter::kGroupIekf:
     case LogFilter::kMono:
     case LogFilter::kWindow:

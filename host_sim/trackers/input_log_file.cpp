@@ -16,6 +16,7 @@ LogFilter to_log_filter(const std::string& name) {
   if (name == kWindowFilter) return LogFilter::kWindow;
   if (name == "ekf") return LogFilter::kEkf;
   if (name == "lifted-iekf") return LogFilter::kLiftedIekf;
+  if (name == "group-iekf-fixed") return LogFilter::kGroupIekfFixed;
   return LogFilter::kGroupIekf;
 }
 

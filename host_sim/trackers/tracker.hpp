@@ -104,7 +104,7 @@ enum class Mode : std::uint8_t { kVehicle, kHandheld };
 struct TrackerOptions {
   Mode mode = Mode::kVehicle;
   std::string filter =
-      kDefaultVehicleFilter;  ///< group-iekf, lifted-iekf, ekf; handheld: mono, window
+      kDefaultVehicleFilter;  ///< group-iekf(-fixed), lifted-iekf, ekf; handheld: mono, window
   std::string fading;         ///< a number, adaptive, or empty for the filter's own
   double budget_ms = kDefaultBudgetMs;
   std::uint64_t seed = 1;

@@ -163,6 +163,9 @@ std::unique_ptr<Tracker> make_with_config(const TrackerOptions& options, const S
     return std::make_unique<VehicleAdapter<Config, LiftedIekfSlam<float, kMax, 3>>>(options,
                                                                                     source);
   }
+  if (options.filter == "group-iekf-fixed") {
+    return std::make_unique<VehicleAdapter<Config, FixedVehicleSlam<kMax>>>(options, source);
+  }
   return std::make_unique<VehicleAdapter<Config, GroupIekfSlam<float, kMax, 3>>>(options, source);
 }
 

@@ -6,8 +6,8 @@
 // picture's hash; --ticks: print the port's ticks per stage and frame, what the frame counted
 // (corners, searched, matches, inliers, landmarks), and the stack used
 //
-// CAIRN_REPLAY_TRACKER chooses the tracker (0 HandheldTracker, 1 VehicleTracker, 2 WindowTracker),
-// CAIRN_REPLAY_CONFIG its capacities.
+// CAIRN_REPLAY_TRACKER chooses the tracker (0 HandheldTracker, 1 VehicleTracker, 2 WindowTracker,
+// 3 VehicleTracker in fixed point), CAIRN_REPLAY_CONFIG its capacities.
 
 #include "cairn/runtime/replay.hpp"
 
@@ -15,6 +15,7 @@
 
 #include "cairn/base/config.hpp"
 #include "cairn/base/fixed_vector.hpp"
+#include "cairn/planar/fixed/fixed_vehicle_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/port/files.h"
 #include "cairn/port/port.h"
@@ -50,6 +51,8 @@ using Config = cairn::CAIRN_REPLAY_CONFIG;
 #if CAIRN_REPLAY_TRACKER == 1
 using Tracker =
     cairn::VehicleTracker<Config, cairn::GroupIekfSlam<float, Config::kMaxLandmarks, 3>>;
+#elif CAIRN_REPLAY_TRACKER == 3
+using Tracker = cairn::VehicleTracker<Config, cairn::FixedVehicleSlam<Config::kMaxLandmarks>>;
 #elif CAIRN_REPLAY_TRACKER == 2
 using Tracker = cairn::WindowTracker<Config>;
 #else

@@ -209,7 +209,7 @@ Status decode_header(const std::uint8_t (&bytes)[kLogHeaderBytes], const LogHead
   const std::uint8_t filter = unpack.u8();
   const std::uint8_t odometry_kind = unpack.u8();
   const std::uint8_t adaptive = unpack.u8();
-  if (mode > 1 || filter > 4 || odometry_kind >= OdometrySample::kKindCount || adaptive > 1)
+  if (mode > 1 || filter > 5 || odometry_kind >= OdometrySample::kKindCount || adaptive > 1)
     return Status::kBadConfig;
   header.mode = static_cast<LogMode>(mode);
   header.filter = static_cast<LogFilter>(filter);

@@ -33,7 +33,8 @@ enum class LogFilter : std::uint8_t {
   kLiftedIekf = 1,
   kEkf = 2,
   kMono = 3,
-  kWindow = 4
+  kWindow = 4,
+  kGroupIekfFixed = 5
 };
 
 /// What a tracker is set up with. Float throughout: the host rounds once, when it writes the log,
