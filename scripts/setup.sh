@@ -7,7 +7,7 @@ set -euo pipefail
 
 packages=(
   build-essential cmake ninja-build
-  libeigen3-dev libopencv-dev libcli11-dev nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libboost-dev
+  libeigen3-dev libopencv-dev libcli11-dev nlohmann-json3-dev libyaml-cpp-dev libfmt-dev libjpeg-dev libboost-dev
   python3
 )
 if [ "${1:-}" = --demo ]; then

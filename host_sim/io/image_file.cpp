@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/jpeg_check.hpp"
 #include "host_sim/io/text_file.hpp"
 
 namespace cairn::host {
@@ -76,6 +77,13 @@ cv::Mat decode(const fs::path& path, const cv::Size& size, Decoded as) {
   }
   if (header.bits == 16 && as != Decoded::kGreyOfAnyDepth) {
     throw InputError(path, "expected 8 bits a pixel, found 16: convert the pictures");
+  }
+  if (bytes.rfind("\xFF\xD8", 0) == 0) {
+    const std::string damage = find_jpeg_damage(bytes);
+    if (!damage.empty()) {
+      throw InputError(path,
+                       fmt::format("expected a whole image; its data is damaged ({})", damage));
+    }
   }
   cv::Mat picture;
   try {

@@ -23,8 +23,8 @@ struct GreyLevels {
 
 /// Reads a picture (PNG, JPEG, PGM, PPM, BMP) as 8-bit grey, as OpenCV's IMREAD_GRAYSCALE does; one
 /// of 16 bits is mapped by `levels`. Bytes behind the picture's end are left alone. Throws
-/// InputError when it cannot be read, is cut short, has 16 bits and there are no `levels`, or is
-/// not of `size` (an empty size takes any).
+/// InputError when it cannot be read, is cut short or damaged, has 16 bits and there are no
+/// `levels`, or is not of `size` (an empty size takes any).
 void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv::Mat& grey,
                      const std::optional<GreyLevels>& levels = std::nullopt);
 

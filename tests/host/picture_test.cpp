@@ -85,6 +85,30 @@ TEST(ImageFile, AThumbnailInsideDoesNotEndAJpeg) {
   EXPECT_TRUE(says(message_of([&] { read_grey_image(cut, {}, grey); }), {"cut short"}));
 }
 
+/// A decoder makes up what is missing.
+TEST(ImageFile, RefusesAJpegWhoseDataIsDamaged) {
+  const TemporaryFolder folder;
+  const auto path = write_picture(folder, "whole.jpg");
+  const std::string bytes = bytes_of(path);
+  const std::size_t half = bytes.size() / 2;
+  cv::Mat grey;
+  EXPECT_NO_THROW(read_grey_image(path, {64, 48}, grey));
+  const std::string cut = bytes.substr(0, half) + "\xFF\xD9";
+  std::string zeroed = bytes;
+  zeroed.replace(half, 200, std::string(200, '\0'));
+  for (const std::string& damaged : {cut, zeroed}) {
+    const auto file = folder.write("damaged.jpg", damaged);
+    EXPECT_TRUE(says(message_of([&] {
+                       read_grey_image(file, {64, 48}, grey);
+                     }),
+                     {"damaged.jpg", "damaged", "Corrupt JPEG data"}));
+    EXPECT_THROW(read_colour_image(file, {64, 48}), InputError);
+  }
+  // Stray bytes before the end mark, as some cameras write them.
+  const std::string padded = bytes.substr(0, bytes.size() - 2) + std::string(8, '\0') + "\xFF\xD9";
+  EXPECT_NO_THROW(read_grey_image(folder.write("padded.jpg", padded), {64, 48}, grey));
+}
+
 TEST(ImageFile, SizesAreCheckedBeforeDecoding) {
   const TemporaryFolder folder;
   std::string bytes = bytes_of(write_picture(folder, "small.png"));
