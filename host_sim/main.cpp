@@ -1,8 +1,10 @@
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <iostream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -48,7 +50,8 @@ ExitCode run(int argc, char** argv) {
   app.set_version_flag("--version", std::string("cairn_sim ") + cairn::kVersion);
   app.require_subcommand(1);
   app.failure_message([](const CLI::App* command, const CLI::Error& error) {
-    return cairn::host::with_short_numbers(CLI::FailureMessage::simple(command, error));
+    return cairn::host::with_suggestion(
+        cairn::host::with_short_numbers(CLI::FailureMessage::simple(command, error)));
   });
   cairn::host::CommandContext context{app, join_arguments(argc, argv)};
   cairn::host::register_commands(context);
@@ -84,6 +87,10 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is an error of writing
   try {
     return static_cast<int>(with_printed(run(argc, argv)));
+  } catch (const std::system_error& error) {
+    std::fprintf(stderr, "cairn_sim: %s\n", error.what());
+    const bool full = error.code().value() == ENOSPC || error.code().value() == EDQUOT;
+    return static_cast<int>(full ? ExitCode::kOutputFailed : ExitCode::kCheckFailed);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "cairn_sim: %s\n", error.what());
     return static_cast<int>(ExitCode::kCheckFailed);

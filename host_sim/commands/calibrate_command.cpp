@@ -142,6 +142,7 @@ ExitCode run_calibration(const CalibrateOptions& options, const std::string& com
   if (options.media.empty()) throw UsageError("MEDIA: expected a video or a folder of pictures");
   if (options.out.empty()) throw UsageError("--out: expected the camera file to write");
   refuse_existing(options.out, options.force);
+  (void)OutputFile(options.out);  // refused before the work where it cannot be written
   const Search found = search(options, detector);
   fmt::print("boards in {} of {} pictures\n", found.found.size(), found.searched);
   refuse_few(found, options);

@@ -167,6 +167,9 @@ ExitCode run(const InjectArguments& arguments) {
   if (!arguments.shard.whole() && arguments.run.out.empty()) {
     throw UsageError("--shard needs --out, the folder that merge reads");
   }
+  if (arguments.shard.whole() && !arguments.run.out.empty()) {
+    (void)OutputFile(arguments.run.out);  // refused before the work where it cannot be written
+  }
   RunOptions options = arguments.run;
   options.max_frames = arguments.frames.value_or(arguments.brief ? kBriefFrames : kFrames);
   ExitCode result = ExitCode::kOk;

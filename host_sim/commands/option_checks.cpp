@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdint>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -10,8 +11,7 @@
 namespace cairn::host {
 namespace {
 
-bool is_seed(const std::string& text) {
-  std::uint64_t value = 0;
+bool is_whole(const std::string& text, std::uint64_t& value) {
   const char* const end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, value);
   return parsed.ec == std::errc() && parsed.ptr == end;
@@ -26,6 +26,18 @@ CLI::Validator above_zero() {
         const bool good = number_problem(text, value).empty() && value > 0.0;
         return good ? std::string()
                     : fmt::format("expected a number above zero, up to 1.7e308, found '{}'", text);
+      },
+      "ABOVE 0");
+}
+
+CLI::Validator count() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        std::uint64_t value = 0;
+        const bool good = is_whole(text, value) && value > 0 &&
+                          value <= std::uint64_t{std::numeric_limits<int>::max()};
+        return good ? std::string()
+                    : fmt::format("expected a whole number above zero, found '{}'", text);
       },
       "ABOVE 0");
 }
@@ -55,7 +67,8 @@ CLI::Validator between(double low, double high) {
 CLI::Validator seed_number() {
   return CLI::Validator(
       [](const std::string& text) {
-        return is_seed(text)
+        std::uint64_t value = 0;
+        return is_whole(text, value)
                    ? std::string()
                    : fmt::format("expected a whole number from 0 to 2^64 - 1, found '{}'", text);
       },

@@ -9,6 +9,8 @@ namespace cairn::host {
 
 /// Checks of an option's number, with messages that say what was expected.
 CLI::Validator above_zero();
+/// A whole number from 1.
+CLI::Validator count();
 CLI::Validator not_negative();
 /// A number from `low` to `high`: CLI::Range alone would take nan for one.
 CLI::Validator between(double low, double high);

@@ -88,7 +88,8 @@ const RunKind* find_kind(const std::string& name) {
 ExitCode run_kind(const RunKind& kind, const RunOptions& options) {
   const std::size_t colon = options.source.find(':');
   const bool has_rest = colon != std::string::npos;
-  if (has_rest == kind.argument.empty()) {
+  const bool is_empty = has_rest && colon + 1 == options.source.size();
+  if (has_rest == kind.argument.empty() || (is_empty && kind.argument != "FIELDS")) {
     throw UsageError(fmt::format("source '{}': expected {}{}", options.source, kind.name,
                                  kind.argument.empty() ? "" : ":" + kind.argument));
   }

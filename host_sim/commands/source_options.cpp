@@ -7,7 +7,7 @@ namespace cairn::host {
 void add_range_options(CLI::App& command, RunOptions& options) {
   command.add_option("--first-frame", options.first_frame, "Number of the first frame to use");
   command.add_option("--max-frames", options.max_frames, "Stop after this many frames")
-      ->check(above_zero());
+      ->check(count());
 }
 
 void add_picture_options(CLI::App& command, RunOptions& options) {

@@ -66,12 +66,29 @@ std::vector<std::string> option_names(const CLI::App& command) {
   return names;
 }
 
+std::string with_suggestion(const std::string& message) {
+  const std::string middle = " not in {";
+  const std::size_t list = message.find(middle);
+  const std::size_t option = message.find(": ");
+  const std::size_t end = message.find('}', list);
+  if (list == std::string::npos || end == std::string::npos || option >= list) return message;
+  const std::string word = message.substr(option + 2, list - option - 2);
+  const std::size_t first = list + middle.size();
+  const std::vector<std::string> known =
+      CLI::detail::split(message.substr(first, end - first), ',');
+  return fmt::format("{}: expected one of {}, found '{}'{}{}", message.substr(0, option),
+                     fmt::join(known, ", "), word, did_you_mean(word, known),
+                     message.substr(end + 1));
+}
+
 std::string unknown_word(const CLI::App& app, const std::vector<std::string>& arguments) {
   if (arguments.empty() || arguments[0].empty() || arguments[0][0] == '-') return {};
   const std::vector<std::string> commands = command_names(app);
   if (std::find(commands.begin(), commands.end(), arguments[0]) == commands.end()) {
+    std::vector<std::string> known = {"--version", "--help"};  // as near as 'vision' to 'version'
+    known.insert(known.end(), commands.begin(), commands.end());
     return fmt::format("unknown command '{}': expected one of {}{}", arguments[0],
-                       fmt::join(commands, ", "), did_you_mean(arguments[0], commands));
+                       fmt::join(commands, ", "), did_you_mean(arguments[0], known));
   }
   const std::vector<std::string> options = option_names(*app.get_subcommand(arguments[0]));
   for (const std::string& argument : arguments) {

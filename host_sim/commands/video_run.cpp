@@ -60,6 +60,15 @@ FrameRange range_of(const RunOptions& options) {
   return {options.first_frame, options.max_frames, in_colour(options)};
 }
 
+/// The first of `names` that the command line gives.
+std::string first_of(std::initializer_list<const char*> names,
+                     const std::vector<std::string>& given) {
+  for (const char* name : names) {
+    if (std::find(given.begin(), given.end(), name) != given.end()) return name;
+  }
+  return {};
+}
+
 Mode mode_of(const RunOptions& options, const SourceInfo& source) {
   if (options.mode.empty()) return source.odometry.has_value() ? Mode::kVehicle : Mode::kHandheld;
   const Mode mode = options.mode == "vehicle" ? Mode::kVehicle : Mode::kHandheld;
@@ -160,7 +169,11 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
                "--mode handheld --filter window alone\n");
   }
   if (tracker.mode == Mode::kVehicle && !options.handheld.is_default()) {
-    throw UsageError("--measurement and the options beside it: only for --mode handheld");
+    throw UsageError(
+        fmt::format("{}: only for --mode handheld",
+                    first_of({"--measurement", "--corner-score", "--sigma-px", "--focal-error",
+                              "--estimate-focal-length", "--focal-sigma", "--row-time"},
+                             options.given)));
   }
   if (tracker.mode == Mode::kVehicle && !options.fading.empty()) {
     throw UsageError("--fading: only for --filter mono");

@@ -22,10 +22,10 @@ class CroppedSource final : public FrameSource {
     area_ = {crop.left.value_or((whole.width - crop.width) / 2),
              crop.top.value_or((whole.height - crop.height) / 2), crop.width, crop.height};
     if ((area_ & cv::Rect({0, 0}, whole)) != area_) {
-      throw UsageError(
-          fmt::format("--crop {}: expected a part of the picture, which has {}x{} "
-                      "pixels",
-                      shown(), whole.width, whole.height));
+      throw UsageError(fmt::format(
+          "--crop {}x{}{}: expected a part of the picture, which has {}x{} pixels", crop.width,
+          crop.height, crop.left ? fmt::format("+{}+{}", *crop.left, *crop.top) : std::string(),
+          whole.width, whole.height));
     }
     camera.cx -= area_.x;
     camera.cy -= area_.y;

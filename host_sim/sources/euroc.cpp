@@ -160,6 +160,10 @@ std::unique_ptr<FrameSource> make_euroc_source(const fs::path& folder, const fs:
                                                const FrameRange& range, LensCheck lens) {
   require_folder(folder, "a folder with mav0/cam0");
   const fs::path mav = fs::is_directory(folder / "mav0") ? folder / "mav0" : folder;
+  if (!fs::is_directory(mav / "cam0")) {
+    throw InputError(folder,
+                     "expected a folder with mav0/cam0, as EuRoC and TUM-VI are downloaded");
+  }
   const fs::path list = mav / "cam0" / "data.csv";
   require_file(list, "the list of pictures");
   SourceInfo info;

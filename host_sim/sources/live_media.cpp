@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -86,18 +88,33 @@ class LiveMedia final : public Media {
     const bool opened = number ? capture_.open(*number) : capture_.open(device_);
     cv::utils::logging::setLogLevel(level);
     if (!opened) {
-      throw InputError(
-          device_, number ? fmt::format("expected a camera: number {} is none, or is in use by "
-                                        "another program or not allowed",
-                                        *number)
-                          : std::string("expected a camera's number, its file such as /dev/video0, "
-                                        "or the address of a stream"));
+      throw InputError("camera:" + device_, why_not_opened(number));
     }
     if (!size.empty()) {
       capture_.set(cv::CAP_PROP_FRAME_WIDTH, size.width);
       capture_.set(cv::CAP_PROP_FRAME_HEIGHT, size.height);
     }
     capture_.set(cv::CAP_PROP_BUFFERSIZE, 1);  // the newest picture, not an old one
+  }
+
+  std::string why_not_opened(const std::optional<int>& number) const {
+    namespace fs = std::filesystem;
+    std::error_code ignored;
+    const std::string file = number ? fmt::format("/dev/video{}", *number) : device_;
+    if (device_.find("://") != std::string::npos) {
+      return "no stream with pictures can be opened at this address";
+    }
+    if (number || file.rfind("/dev/", 0) == 0) {
+      if (fs::exists(file, ignored)) {
+        return fmt::format(
+            "{} is there but gives no pictures: another program uses it, it is not "
+            "allowed, or it is no camera",
+            file);
+      }
+      return fmt::format("no camera: there is no {}{}", file,
+                         fs::exists("/dev/video0", ignored) ? "" : ", nor a /dev/video0");
+    }
+    return "expected a camera's number, its file such as /dev/video0, or the address of a stream";
   }
 
   std::string device_;

@@ -51,6 +51,7 @@ std::unique_ptr<FrameSource> make_tum_rgbd_source(const fs::path& folder,
                                                   const fs::path& camera_file,
                                                   const FrameRange& range, LensCheck lens) {
   require_folder(folder, "a folder with rgb.txt");
+  require_file(folder / "rgb.txt", "the list of pictures of TUM RGB-D");
   SourceInfo info;
   info.name = "tum-rgbd";
   if (camera_file.empty()) {

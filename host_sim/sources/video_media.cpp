@@ -82,7 +82,7 @@ class VideoMedia final : public Media {
     const double announced = capture_.get(cv::CAP_PROP_FRAME_COUNT);
     if (announced >= 1.0 && announced < kMostFrames) announced_ = static_cast<int>(announced);
     info_.inputs = {path};
-    info_.note = "times from the video";
+    note_times("times from the video");
     const int first = range.first.value_or(0);
     if (!announced_.has_value() || *announced_ <= first) return;
     info_.frame_count = std::min(*announced_ - first, range.count.value_or(*announced_));
@@ -157,14 +157,19 @@ class VideoMedia final : public Media {
                           static_cast<int>(capture_.get(cv::CAP_PROP_FRAME_HEIGHT)));
     if (size_.empty() && stated.empty()) throw InputError(path_, "expected a video of known size");
     if (size_.empty()) size_ = stated;
-    const int turn = static_cast<int>(capture_.get(cv::CAP_PROP_ORIENTATION_META));
-    is_turned_ = turn != 0;
+    turn_ = static_cast<int>(capture_.get(cv::CAP_PROP_ORIENTATION_META));
+    is_turned_ = turn_ != 0;
     if (stated != size_ && !stated.empty()) refuse_size(stated);
     info_.size = size_;
-    turned_wrongly_ = kQuarterTurnsAreReversed && (turn == 90 || turn == 270);
+    turned_wrongly_ = kQuarterTurnsAreReversed && (turn_ == 90 || turn_ == 270);
     const double rate = capture_.get(cv::CAP_PROP_FPS);
     info_.rate_hz = rate >= 0.1 && rate <= 1000.0 ? rate : kRateWithoutAny_hz;
     return ContainerClock(info_.rate_hz);
+  }
+
+  void note_times(const std::string& times) {
+    info_.note = times;
+    if (is_turned_) info_.note += fmt::format("; turned by {} degrees, as the video says", turn_);
   }
 
   bool grab(MediaFrame& frame) {
@@ -186,11 +191,11 @@ class VideoMedia final : public Media {
     }
     ++count_;
     if (clock_.untimed() > 0) {
-      info_.note =
+      note_times(
           fmt::format("times from the video, but for the last {}, a step each: OpenCV has none",
-                      clock_.untimed());
+                      clock_.untimed()));
     }
-    if (!clock_.has_times()) info_.note = "times from the video's rate: it has none of frames";
+    if (!clock_.has_times()) note_times("times from the video's rate: it has none of frames");
     return true;
   }
 
@@ -221,6 +226,7 @@ class VideoMedia final : public Media {
   cv::Size size_;
   FrameRange range_;
   MediaInfo info_;
+  int turn_ = 0;            ///< degrees, as the video says
   bool is_turned_ = false;  ///< by its metadata
   bool turned_wrongly_ = false;
   cv::VideoCapture capture_;

@@ -223,7 +223,11 @@ PinholeCamera<double> guessed_camera(const cv::Size& size, double hfov_deg) {
 }
 
 std::unique_ptr<FrameSource> make_video_source(const VideoOptions& options) {
-  if (options.camera.empty() == !options.hfov_deg.has_value()) {
+  if (!options.camera.empty() && options.hfov_deg) {
+    throw UsageError(
+        "--hfov: a guess in place of a camera file, and --camera gives one: expected one of them");
+  }
+  if (options.camera.empty() && !options.hfov_deg) {
     throw UsageError(fmt::format(
         "source {}: expected a camera file by --camera (`cairn_sim calibrate` makes one), or a "
         "guess by --hfov DEG, the horizontal field of view",

@@ -5,8 +5,11 @@
 expect 2 "source camera|--camera|--hfov" run camera:0 --out none
 expect 2 "--first-frame: source 'camera'" run camera:0 --hfov 60 --first-frame 3 --out none
 expect 2 "--max-frames" timing camera:0 --hfov 60 --out none
-[ -e /dev/video77 ] || expect 3 "number 77" run camera:77 --hfov 60 --out none
-expect 3 "/dev/video0|address" run camera:nowhere --hfov 60 --out none
+[ -e /dev/video77 ] || expect 3 "camera:77: no camera: there is no /dev/video77" run camera:77 --hfov 60 --out none
+expect 3 "camera:/dev/video78: no camera" run camera:/dev/video78 --hfov 60 --out none
+expect 3 "camera:nowhere|/dev/video0|address" run camera:nowhere --hfov 60 --out none
+expect 3 "no stream with pictures" run camera:http://127.0.0.1:9/x --hfov 60 --out none
+expect 2 "source 'camera:': expected camera:DEVICE" run camera: --hfov 60 --out none
 
 expect 0 "log hash" run hall-small --max-frames 12 --no-video --out pictures
 cat >"$work/serve.py" <<'PYTHON'

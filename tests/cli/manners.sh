@@ -14,6 +14,16 @@ expect 0 "Subcommands|calibrate|completion" help
 expect 0 "--max-frames" help run
 expect 2 "unknown command 'rum'|did you mean 'run'?" help rum
 expect 0 "cairn_sim" --version
+expect 2 "unknown command 'version'|did you mean '--version'?" version
+expect 2 "--filter: expected one of group-iekf, |found 'efk'; did you mean 'ekf'?" run hall --filter efk --out out
+expect 2 "--mode: expected one of vehicle, handheld, found 'xyzzy'" run hall --mode xyzzy --out out
+[[ $output != *"did you mean"* ]] || fail "a suggestion for xyzzy: $output"
+expect 2 "source 'euroc:': expected euroc:DIR" run euroc: --out out
+expect 2 "--max-frames: expected a whole number above zero, found '2.5'" run hall --max-frames 2.5 --out out
+expect 2 "--max-frames: expected a whole number above zero, found '1e400'" run hall --max-frames 1e400 --out out
+expect 2 "--crop 9999x9999: expected a part" run hall-small --crop 9999x9999 --out out
+expect 2 "--hfov: a guess in place of" run video:. --camera c.yaml --hfov 60 --out out
+expect 2 "--focal-sigma: only for --mode handheld" run hall-small --focal-sigma 0.1 --out out
 
 # completion: what the shell's function offers for a line whose last word is being typed
 offers() { # WORD... EXPECTED (words that must be there)
@@ -41,7 +51,11 @@ if command -v zsh >/dev/null; then
   printf '%s\n' "$output" >"$work/completion.zsh"
   zsh -f -c "autoload -U compinit && compinit -u -D && . '$work/completion.zsh'" || fail "the script for zsh"
 fi
-expect 2 "bash,zsh" completion fish
+expect 2 "bash, zsh" completion fish
+
+# where a result could not be written is said before the work
+expect 4 "nowhere/faults.csv: cannot be written" inject hall-small --brief --out nowhere/faults.csv
+[[ $output != *F01* ]] || fail "inject worked before it said so: $output"
 
 # results go into a folder of their own
 mkdir "$work/mine"

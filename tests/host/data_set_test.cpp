@@ -140,6 +140,8 @@ TEST(Euroc, WhatIsMissingOrWrongIsNamed) {
   const auto problem = [&] {
     return message_of([&] { make_euroc_source(folder.path(), {}, {}); });
   };
+  EXPECT_TRUE(says(problem(), {"expected a folder with mav0/cam0"}));
+  fs::create_directories(folder.path() / "mav0/cam0");
   EXPECT_TRUE(says(problem(), {"cam0/data.csv", "no such file"}));
   write_euroc(folder, "state_groundtruth_estimate0");
   EXPECT_TRUE(says(problem(), {"sensor.yaml", "--camera", "camchain.yaml"}));
@@ -251,6 +253,12 @@ TEST(Kitti, RowsBelongToNumbers) {
   const std::vector<Frame> frames = all_frames(*make_kitti_source(folder.path(), {}, 1));
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_EQ(frames[2].t_us, 300000);
+}
+
+TEST(Tum, AFolderWithoutPicturesIsNamedBeforeItsCamera) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(says(message_of([&] { make_tum_rgbd_source(folder.path(), {}, {}, {}); }),
+                   {"rgb.txt", "no such file"}));
 }
 
 TEST(Tum, RunsWithoutTruePoses) {
