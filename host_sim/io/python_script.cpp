@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include "host_sim/io/child_process.hpp"
+#include "host_sim/io/output_file.hpp"
 
 namespace cairn::host {
 namespace {
 
 constexpr int kNoMatplotlib = 4;
+constexpr int kCannotWrite = 5;
 
 /// Runs the script on standard input, named by the first argument. Modules of the working folder
 /// stay out of it: any file there may have the name of one.
@@ -26,6 +28,7 @@ std::optional<std::string> draw_with_python(const std::string& product, const Py
     const ChildEnd end = run_child({python, "-c", kRunner, script.name, folder.string()}, text);
     if (end.succeeded()) return std::nullopt;
     if (end.not_found()) continue;
+    if (end.code == kCannotWrite) throw OutputError(folder / product, describe(end));
     if (end.code != kNoMatplotlib) {
       return fmt::format("{} not made: {} {}", product, python, describe(end));
     }

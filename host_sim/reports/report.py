@@ -2,6 +2,7 @@
 import base64
 import contextlib
 import csv
+import errno
 import html
 import json
 import math
@@ -20,6 +21,9 @@ STAGES = [
 ]
 MOST_INLINE_VIDEO = 16 * 1024 * 1024  # larger ones stay beside the page
 MOST_ELLIPSES = 60
+GRADES = {"Tracked well": "well", "Not tracked": "failed"}  # by headline; all others are in between
+ALIGNED = {"start": "from the start", "sim3": "best similarity", "se2": "best fit"}
+CANNOT_WRITE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.EACCES, errno.EPERM, errno.EIO}
 
 
 @contextlib.contextmanager
@@ -240,7 +244,9 @@ def stage_table(summary):
 def verdict(summary):
     points = "".join(f"<li class='{shown(p['grade'])}'>{shown(p['text'])}</li>"
                      for p in summary["verdict"]["points"])
-    return f"<h2 class='headline'>{shown(summary['verdict']['headline'])}</h2><ul class='verdict'>{points}</ul>"
+    headline = summary["verdict"]["headline"]
+    return (f"<div class='judged {GRADES.get(headline, 'fair')}'><h2 class='headline'>{shown(headline)}</h2>"
+            f"<ul class='verdict'>{points}</ul></div>")
 
 
 def title_of(source):
@@ -252,18 +258,18 @@ def title_of(source):
 def cards(summary):
     t, r, l = summary["trajectory"], summary["registration_px"], summary["latency_ms"]
     items = [
-        ("tracked", f"{summary['tracked']} of {summary['frames']} frames"),
-        ("latency p50 / p99", f"{l['p50']:.2f} / {l['p99']:.2f} ms"),
-        ("over budget", f"{100 * l['over_budget']:.2f} % of frames"),
-        ("registration error", r["mean"] is not None
-         and value(r["mean"], 2, " px mean") + ", " + value(r["max"], 2, " px max")),
-        ("trajectory error", t["ate_rmse_m"] is not None
-         and value(t["ate_rmse_m"], 3, " m rms") + f" ({shown(t['aligned'])})"),
-        ("rotation error", t["rotation_rmse_deg"] is not None and value(t["rotation_rmse_deg"], 2, "&deg; rms")),
-        ("NEES", summary["nees"]["mean"] is not None and value(summary["nees"]["mean"], 2) + " (3 is consistent)"),
-        ("NIS", summary["nis"]["mean"] is not None
-         and f"{value(summary['nis']['mean'], 1)} at {value(summary['nis']['dof'], 1)} degrees of freedom"),
-        ("map", f"{summary['map']['landmarks']} of {summary['map']['capacity']} landmarks"),
+        ("frames tracked", f"{summary['tracked']} of {summary['frames']}"),
+        ("latency, median / 99 %", f"{l['p50']:.2f} / {l['p99']:.2f} ms"),
+        ("frames over the budget", f"{100 * l['over_budget']:.2f} %"),
+        ("registration error, mean / max", r["mean"] is not None
+         and value(r["mean"], 2) + " / " + value(r["max"], 2, " px")),
+        (f"trajectory error, rms ({ALIGNED.get(t['aligned'], t['aligned'])})", t["ate_rmse_m"] is not None
+         and value(t["ate_rmse_m"], 3, " m")),
+        ("rotation error, rms", t["rotation_rmse_deg"] is not None and value(t["rotation_rmse_deg"], 2, "&deg;")),
+        ("NEES (3 is consistent)", summary["nees"]["mean"] is not None and value(summary["nees"]["mean"], 2)),
+        ("NIS / degrees of freedom", summary["nis"]["mean"] is not None
+         and f"{value(summary['nis']['mean'], 1)} / {value(summary['nis']['dof'], 1)}"),
+        ("landmarks in the map", f"{summary['map']['landmarks']} of {summary['map']['capacity']}"),
     ]
     return card_row(items)
 
@@ -385,4 +391,10 @@ def main(folder):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    try:
+        main(sys.argv[1])
+    except OSError as problem:
+        if problem.errno not in CANNOT_WRITE:
+            raise
+        sys.stderr.write(f"cannot be written: {problem.strerror}\n")
+        sys.exit(5)  # as host_sim/io/python_script.cpp knows it

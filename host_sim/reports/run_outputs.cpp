@@ -1,5 +1,6 @@
 #include "host_sim/reports/run_outputs.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -267,16 +268,49 @@ json reuse_json(const RunRecord& record) {
           {"landmarks", landmarks.size()}};
 }
 
+/// Why a frame was not tracked: in hand-held mode, where the core gives no reason, by what it says
+/// of the frame. Empty: it was.
+std::string why_not_tracked(const FrameRecord& frame) {
+  const FrameReport& report = frame.report;
+  if (report.not_tracked != NotTracked::kTracked) return to_string(report.not_tracked);
+  if (frame.is_measured()) return {};
+  const bool lost = report.state == TrackingState::kLost;
+  if (report.status == Status::kLowTexture) return lost ? "lost_low_texture" : "low_texture";
+  return lost ? "lost" : "starting";
+}
+
 /// Frames that were not tracked, by reason.
 json not_tracked_json(const RunRecord& record) {
   json reasons = json::object();
   for (const FrameRecord& frame : record.frames) {
-    const NotTracked reason = frame.report.not_tracked;
-    if (reason == NotTracked::kTracked) continue;
-    json& count = reasons[to_string(reason)];
+    const std::string reason = why_not_tracked(frame);
+    if (reason.empty()) continue;
+    json& count = reasons[reason];
     count = count.is_null() ? 1 : count.get<int>() + 1;
   }
   return reasons;
+}
+
+/// The frames before the first that was tracked; null where none was.
+json start_json(const RunRecord& record) {
+  const auto first = std::find_if(record.frames.begin(), record.frames.end(),
+                                  [](const FrameRecord& frame) { return frame.is_measured(); });
+  if (first == record.frames.end()) return nullptr;
+  const std::int64_t us = first->report.t_us - record.frames.front().report.t_us;
+  return {{"frames", first - record.frames.begin()}, {"s", 1e-6 * static_cast<double>(us)}};
+}
+
+/// Tracked frames whose pose is called uncertain, and those of them in which too few landmarks were
+/// found or agreed, so that it is extrapolated.
+json uncertain_json(const RunRecord& record) {
+  int frames = 0, extrapolated = 0;
+  for (const FrameRecord& frame : record.frames) {
+    if (!frame.is_measured() || frame.report.state != TrackingState::kUncertain) continue;
+    ++frames;
+    const Status status = frame.report.status;
+    extrapolated += status == Status::kLowTexture || status == Status::kNoConsensus ? 1 : 0;
+  }
+  return {{"frames", frames}, {"extrapolated", extrapolated}};
 }
 
 /// What the pictures say of mount and focal length, degrees and percent; null in hand-held mode.
@@ -346,7 +380,7 @@ json gyro_json(const RunRecord& record) {
 json summarise(const RunRecord& record, const RunTrajectory& trajectory,
                const RegistrationResult& registration, double budget_ms, const SourceInfo& source) {
   int tracked = 0, lost = 0, relocalised = 0, added = 0, removed = 0;
-  std::vector<double> totals;
+  std::vector<double> totals, on_core;
   std::vector<double> stages[kStageCount];
   for (const FrameRecord& frame : record.frames) {
     tracked += frame.is_measured() ? 1 : 0;
@@ -355,10 +389,12 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
     added += frame.report.added;
     removed += frame.report.removed;
     totals.push_back(frame.total_ms);
+    on_core.push_back(frame.core_ms);
     for (int i = 0; i < kStageCount; ++i) stages[i].push_back(frame.stage_ms[i]);
   }
   json latency = latency_json(totals, budget_ms);
   latency["budget"] = budget_ms;
+  latency["on_core"] = latency_json(on_core, budget_ms);
   for (int i = 0; i < kStageCount; ++i) {
     json stage = latency_json(stages[i], kStageRows[i].paper_iekf_ms);
     stage["budget"] = kStageRows[i].paper_iekf_ms;
@@ -369,9 +405,12 @@ json summarise(const RunRecord& record, const RunTrajectory& trajectory,
   const std::size_t active =
       static_cast<std::size_t>(record.frames.empty() ? 0 : record.frames.back().report.landmarks);
   json summary = {
+      {"mode", trajectory.planar ? "vehicle" : "handheld"},
       {"frames", record.frames.size()},
       {"tracked", tracked},
       {"not_tracked", not_tracked_json(record)},
+      {"start", start_json(record)},
+      {"uncertain", uncertain_json(record)},
       {"lost", lost},
       {"relocalised", relocalised},
       {"latency_ms", latency},

@@ -16,6 +16,9 @@ using nlohmann::json;
 constexpr double kEnoughTracked = 0.95;
 constexpr double kSomeTracked = 0.5;
 constexpr double kMostOverBudget = 0.01;
+constexpr double kLongestStart_s = 1.0;  // a start of any length is none of the tracking's
+constexpr double kMostExtrapolated = 0.05;
+constexpr double kMostUncertain = 0.5;
 constexpr double kNeesTooLarge = 2.0;  // over its degrees of freedom
 constexpr double kNeesSmall = 0.3;
 constexpr double kNisTooLarge = 1.5;
@@ -24,6 +27,34 @@ constexpr double kFocalSigmas = 3.0;
 constexpr double kLeastFocalPercent = 1.0;
 constexpr double kGuessPercent = 15.0;      // sigma of what is no calibration
 constexpr double kMostRegistration = 0.01;  // of the picture's width
+
+constexpr const char* kWhyLost =
+    "A camera in the hand is lost where it turns or moves faster than the landmarks can be "
+    "followed, "
+    "where little is in the picture, or where it is dark, blurred or covered: move slower there";
+constexpr const char* kWhyNoStart =
+    "A start needs a picture with texture, sharp and lit, and a camera that moves sideways";
+
+/// A reason of `not_tracked` for people.
+std::string words_of(const std::string& reason) {
+  constexpr std::pair<const char*, const char*> kWords[] = {
+      {"no_odometry", "no odometry yet"},
+      {"no_new_image", "the same picture again"},
+      {"no_work", "the work limit left nothing for it"},
+      {"no_corners", "no corners in the picture (dark, blank, blurred or covered?)"},
+      {"seeds_lost", "new points were lost before their distance was known"},
+      {"no_depth", "no landmark yet whose distance is known"},
+      {"not_found", "the landmarks were not found where they were expected"},
+      {"no_consensus", "the landmarks found did not agree with one another"},
+      {"low_texture", "too little to see for a start (dark, blank, blurred or covered?)"},
+      {"starting", "before the start"},
+      {"lost", "lost"},
+      {"lost_low_texture", "lost, with too little to see"}};
+  for (const auto& [key, words] : kWords) {
+    if (reason == key) return words;
+  }
+  return reason;
+}
 
 class Judge {
  public:
@@ -58,8 +89,21 @@ class Judge {
     return frames > 0.0 ? summary_["tracked"].get<double>() / frames : 0.0;
   }
 
+  /// Frames of a start that took no longer than one may.
+  int start_frames() const {
+    if (!summary_.contains("start") || summary_["start"].is_null()) return 0;
+    const json& start = summary_["start"];
+    return start["s"].get<double>() <= kLongestStart_s ? start["frames"].get<int>() : 0;
+  }
+
+  /// Of the frames after the start.
+  double share_after_start() const {
+    const double frames = summary_["frames"].get<double>() - start_frames();
+    return frames > 0.0 ? summary_["tracked"].get<double>() / frames : 0.0;
+  }
+
   std::string headline() const {
-    const double share = tracked_share();
+    const double share = share_after_start();
     const bool bad = std::any_of(points_.begin(), points_.end(), [](const VerdictPoint& point) {
       return point.grade == Grade::kBad;
     });
@@ -82,16 +126,45 @@ class Judge {
   void judge_tracking() {
     std::string reasons;
     for (const auto& [reason, frames] : summary_["not_tracked"].items()) {
-      reasons += fmt::format("{}{} {}", reasons.empty() ? ": " : ", ", reason, frames.get<int>());
+      reasons += fmt::format("{}{} ({})", reasons.empty() ? "" : ", ", words_of(reason),
+                             frames.get<int>());
     }
     const double share = tracked_share();
-    say(share >= kEnoughTracked ? Grade::kGood : Grade::kBad,
-        "Tracked in {} of {} frames ({:.1f} %){}", summary_["tracked"].get<int>(),
+    const int start = start_frames();
+    say(share_after_start() >= kEnoughTracked ? Grade::kGood : Grade::kBad,
+        "Tracked in {} of {} frames ({:.1f} %{}){}", summary_["tracked"].get<int>(),
         summary_["frames"].get<int>(), 100.0 * share,
-        share < 1.0 && !reasons.empty() ? "; not tracked" + reasons : std::string());
+        start > 0 ? fmt::format(", {:.1f} % after the start", 100.0 * share_after_start()) : "",
+        share < 1.0 && !reasons.empty() ? "; in the others: " + reasons : std::string());
+    judge_uncertain();
     if (const int lost = summary_["lost"].get<int>(); lost > 0) {
       say(Grade::kNote, "The pose was lost in {} frames and found again {} times", lost,
           summary_["relocalised"].get<int>());
+      if (is_handheld()) say(Grade::kNote, "{}", kWhyLost);
+    }
+    if (is_handheld() && summary_["tracked"].get<int>() == 0) {
+      say(Grade::kNote, "{}", kWhyNoStart);
+    }
+  }
+
+  bool is_handheld() const { return summary_.value("mode", "") == "handheld"; }
+
+  void judge_uncertain() {
+    if (!summary_.contains("uncertain")) return;
+    const auto frames = summary_["tracked"].get<double>();
+    const int extrapolated = summary_["uncertain"]["extrapolated"].get<int>();
+    const int uncertain = summary_["uncertain"]["frames"].get<int>();
+    if (extrapolated > 0) {
+      say(extrapolated > kMostExtrapolated * frames ? Grade::kBad : Grade::kNote,
+          "In {} of the tracked frames too few landmarks were found again: the pose there is "
+          "extrapolated from the motion before",
+          extrapolated);
+    }
+    if (is_handheld() && uncertain - extrapolated > kMostUncertain * frames) {
+      say(Grade::kBad,
+          "In {} of the tracked frames the pose is called uncertain: distances show only while the "
+          "camera moves sideways",
+          uncertain);
     }
   }
 
@@ -239,11 +312,24 @@ class Judge {
   void judge_budget() {
     const json& latency = summary_["latency_ms"];
     const auto over = latency["over_budget"].get<double>();
+    const auto budget = latency["budget"].get<double>();
+    const bool by_others = over > kMostOverBudget && latency.contains("on_core") &&
+                           latency["on_core"]["over_budget"].get<double>() <= kMostOverBudget;
+    if (by_others) {
+      const json& on_core = latency["on_core"];
+      say(Grade::kNote,
+          "Other programs held this machine up: by the clock {:.2f} % of the frames took longer "
+          "than "
+          "the budget of {:g} ms, of the processor's time {:.2f} %, and 99 % at most {:.2f} ms",
+          100.0 * over, budget, 100.0 * on_core["over_budget"].get<double>(),
+          on_core["p99"].get<double>());
+      return;
+    }
     say(over <= kMostOverBudget ? Grade::kGood : Grade::kBad,
         "{:.2f} % of the frames took longer than the budget of {:g} ms on this machine; 99 % took "
         "at "
         "most {:.2f} ms",
-        100.0 * over, latency["budget"].get<double>(), latency["p99"].get<double>());
+        100.0 * over, budget, latency["p99"].get<double>());
   }
 
   const json& summary_;

@@ -132,10 +132,12 @@ class FrameLoop {
     FrameRecord entry;
     entry.number = frame.number;
     frame.grey.copyTo(overlay_);
+    const double core_start_ms = core_clock_ms();
     const auto start = std::chrono::steady_clock::now();
     entry.report.status = tracker_.process(frame, overlay_, entry.report);
     const auto end = std::chrono::steady_clock::now();
     entry.total_ms = std::chrono::duration<double, std::milli>(end - start).count();
+    entry.core_ms = core_clock_ms() - core_start_ms;
     for (int i = 0; i < kStageCount; ++i) {
       entry.stage_ms[i] = entry.report.stage_ticks[i] / kHostTicksPerMs;
     }

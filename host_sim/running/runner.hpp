@@ -28,6 +28,7 @@ struct FrameRecord {
   /// against that of the first frame with a pose.
   std::optional<double> nees;
   std::optional<double> filter_nees;  ///< by the filter's own covariance
+  double core_ms = 0.0;               ///< of total_ms, without the time of other programs
   float health_score = 0.0F;          ///< of HealthMonitor
   Health health;                      ///< counters after the frame
   /// Of the pose, where there is one: as Tracker::position_covariance(), and of the heading or of

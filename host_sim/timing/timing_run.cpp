@@ -1,7 +1,5 @@
 #include "host_sim/timing/timing_run.hpp"
 
-#include <ctime>
-
 #include <fmt/format.h>
 
 #include "host_sim/base/names.hpp"
@@ -13,18 +11,13 @@
 #include "host_sim/running/runner.hpp"
 #include "host_sim/timing/instruction_count.hpp"
 #include "host_sim/timing/timing_picture.py.hpp"
+#include "host_sim/trackers/host_ticks.hpp"
 #include "host_sim/trackers/input_log_file.hpp"
 
 namespace cairn::host {
 namespace {
 
 using nlohmann::json;
-
-double thread_ms() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
 
 /// A tracker whose frames are also timed on the processor's own clock, which stands still while
 /// other programs have the core.
@@ -33,9 +26,9 @@ class ClockedTracker : public Tracker {
   explicit ClockedTracker(Tracker& tracker) : tracker_(tracker) {}
 
   Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) override {
-    const double start = thread_ms();
+    const double start = core_clock_ms();
     const Status status = tracker_.process(frame, overlay, report);
-    cpu_ms_.push_back(thread_ms() - start);
+    cpu_ms_.push_back(core_clock_ms() - start);
     return status;
   }
   std::vector<MapLandmark> landmarks() const override { return tracker_.landmarks(); }

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <ctime>
 
 #include "cairn/base/ticks.hpp"
 
@@ -17,6 +18,14 @@ inline TickSource host_ticks() {
                 std::chrono::duration_cast<std::chrono::nanoseconds>(now).count());
           },
           nullptr};
+}
+
+/// The processor's own clock of this thread, ms: it stands still while other programs have the
+/// core.
+inline double core_clock_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace cairn::host

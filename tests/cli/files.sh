@@ -75,12 +75,20 @@ output=$(cd "$work" && ulimit -f 4 && "$sim" run hall-small --max-frames 60 --no
 code=$?
 check "exit code on a full disk: $code, $output" [ "$code" -eq 4 ]
 check "it names the file: $output" grep -q "full/.*cannot be written" <<<"$output"
+# one that is full when the report is written, the last and largest file
+output=$(cd "$work" && ulimit -f 180 && "$sim" run hall-small --max-frames 12 --no-video --out late 2>&1 </dev/null)
+code=$?
+if [ -e "$work/late/summary.json" ] && command -v python3 >/dev/null; then
+  check "exit code where the report has no room: $code, $output" [ "$code" -eq 4 ]
+  check "it names the report: $output" grep -q "late/report.html: .*cannot be written" <<<"$output"
+  check "no half report" [ -z "$(find "$work/late" -name 'report.html*')" ]
+fi
 check "no summary on a full disk" [ ! -e "$work/full/summary.json" ]
 check "whole tables on a full disk" whole_tables full
 check "no parts on a full disk" no_parts full
 touch "$work/a-file"
 expect 4 "cannot be created" run hall-small --max-frames 2 --no-video --out a-file/x
-output=$(cd "$work" && ulimit -f 60 && "$sim" run hall-small --max-frames 150 --out video 2>&1 </dev/null)
+output=$(cd "$work" && ulimit -f 180 && "$sim" run hall-small --max-frames 150 --out video 2>&1 </dev/null)
 code=$?
 check "exit code with no room for the video: $code, $output" [ "$code" -eq 4 ]
 check "no video without room" [ -z "$(find "$work/video" -name 'overlay.*')" ]

@@ -12,7 +12,7 @@ using nlohmann::json;
 json good_summary() {
   return {{"frames", 200},
           {"tracked", 198},
-          {"not_tracked", {{"start", 2}}},
+          {"not_tracked", {{"no_depth", 2}}},
           {"lost", 0},
           {"relocalised", 0},
           {"interrupted_by", nullptr},
@@ -36,7 +36,8 @@ std::string text_of(const Verdict& verdict) {
 
 TEST(Verdict, OfAGoodRun) {
   const std::string text = text_of(judge(good_summary(), 640));
-  EXPECT_TRUE(says(text, {"Tracked well\n", "good Tracked in 198 of 200 frames (99.0 %)", "start 2",
+  EXPECT_TRUE(says(text, {"Tracked well\n", "good Tracked in 198 of 200 frames (99.0 %)",
+                          "in the others: no landmark yet whose distance is known (2)",
                           "good The covariance of the pose is right: NEES 2.8, 3",
                           "good Landmarks are where", "good Virtual objects stay in place",
                           "note Path 0.012 m (rms) from the truth, after the best similarity",
@@ -124,6 +125,67 @@ TEST(Verdict, OfARunThatDidNotTrack) {
   EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Not tracked\n"}));
   summary["frames"] = 0;
   EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Not tracked\n"}));
+}
+
+TEST(Verdict, AStartOfASecondIsSaidAndNotHeldAgainstTheRun) {
+  json summary = good_summary();
+  summary["frames"] = 51;
+  summary["tracked"] = 48;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Tracked in part\nbad Tracked in 48 of 51"}));
+  summary["start"] = {{"frames", 3}, {"s", 0.3}};
+  EXPECT_TRUE(says(text_of(judge(summary, 640)),
+                   {"Tracked well\n",
+                    "good Tracked in 48 of 51 frames (94.1 %, 100.0 % after the start); in the"}));
+  summary["start"]["s"] = 1.1;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Tracked in part\nbad Tracked in 48 of 51"}));
+  summary["start"] = nullptr;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Tracked in part\nbad Tracked in 48 of 51"}));
+}
+
+TEST(Verdict, SaysWhyACameraInTheHandFailed) {
+  json summary = good_summary();
+  summary["mode"] = "handheld";
+  summary["tracked"] = 0;
+  summary["not_tracked"] = {{"low_texture", 200}};
+  EXPECT_TRUE(says(text_of(judge(summary, 640)),
+                   {"Not tracked\n", "too little to see for a start (dark, blank", "(200)",
+                    "note A start needs a picture with texture"}));
+  summary["tracked"] = 120;
+  summary["lost"] = 80;
+  summary["not_tracked"] = {{"lost", 80}};
+  const std::string lost = text_of(judge(summary, 640));
+  EXPECT_TRUE(says(lost, {"in the others: lost (80)", "note A camera in the hand is lost where"}));
+  EXPECT_EQ(lost.find("A start needs"), std::string::npos);
+  summary["mode"] = "vehicle";
+  EXPECT_EQ(text_of(judge(summary, 640)).find("in the hand"), std::string::npos);
+}
+
+TEST(Verdict, SaysWhatAnUncertainPoseRestsOn) {
+  json summary = good_summary();
+  summary["mode"] = "handheld";
+  summary["uncertain"] = {{"frames", 50}, {"extrapolated", 0}};
+  const std::string few = text_of(judge(summary, 640));
+  EXPECT_EQ(few.find("uncertain"), std::string::npos);
+  EXPECT_EQ(few.find("extrapolated"), std::string::npos);
+  summary["uncertain"] = {{"frames", 150}, {"extrapolated", 0}};
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Tracked, with reservations\nbad In 150 of the",
+                                                  "only while the camera moves sideways"}));
+  summary["uncertain"] = {{"frames", 50}, {"extrapolated", 5}};
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"Tracked well", "note In 5 of the tracked"}));
+  summary["uncertain"]["extrapolated"] = 30;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"bad In 30 of the tracked frames too few"}));
+}
+
+TEST(Verdict, TellsOtherProgramsFromASlowTracker) {
+  json summary = good_summary();
+  json& latency = summary["latency_ms"];
+  latency["over_budget"] = 0.03;
+  latency["on_core"] = {{"over_budget", 0.0}, {"p99", 4.2}};
+  const std::string busy = text_of(judge(summary, 640));
+  EXPECT_TRUE(says(busy, {"Tracked well", "note Other programs held this machine up", "3.00 %",
+                          "99 % at most 4.20 ms"}));
+  latency["on_core"]["over_budget"] = 0.02;
+  EXPECT_TRUE(says(text_of(judge(summary, 640)), {"bad 3.00 % of the frames took longer"}));
 }
 
 }  // namespace
