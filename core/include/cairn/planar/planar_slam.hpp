@@ -309,7 +309,6 @@ class PlanarSlam {
                             T sigma_px) const;
   bool tells_nothing_new(int count, UpdateReport& report);
   void end_rest();
-  void widen(T position_variance, T heading_variance);
   void refuse(int slot, UpdateReport& report);
   void apply_update(int first, int count, UpdateReport& report, bool deviates = false);
   void finish_update(int used, UpdateReport& report);

@@ -7,6 +7,7 @@
 #include "cairn/tracking/frame_input.hpp"
 #include "cairn/tracking/mounting.hpp"
 #include "cairn/tracking/odometry_integrator.hpp"
+#include "cairn/tracking/picture_drift.hpp"
 #include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/systematic_error.hpp"
@@ -185,7 +186,6 @@ class FrameTracker {
   void begin(const ImageView& image);
   void restart_clock(std::int64_t t_us);
   Status predict(std::int64_t t_us);
-  void drift_world(float distance_m);
   Status pass_over(Status status);
   void measure(Frame& frame);
   Status update(Frame& frame, Status status);

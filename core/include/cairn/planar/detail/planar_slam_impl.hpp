@@ -7,6 +7,17 @@
 
 namespace cairn {
 
+namespace detail {
+
+/// Noise on the pose, as far as a filter reckons with it.
+template <class Model, class T>
+void widen_pose(Model& model, T position_variance, T heading_variance) {
+  model.widen_pose(at_most(position_variance, kMostPositionVariance<T>),
+                   at_most(heading_variance, kMostHeadingVariance<T>));
+}
+
+}  // namespace detail
+
 template <class ErrorModel>
 Status PlanarSlam<ErrorModel>::check_start(const PlanarPose<T>& pose, const Matrix3<T>& covariance,
                                            const PlanarParameters<T>& parameters) {
@@ -68,17 +79,11 @@ Status PlanarSlam<ErrorModel>::predict(const PlanarIncrement<T>& increment) {
   if (reacquisition_.take()) {
     end_rest();
     const T scale = static_cast<T>(1 << (reacquisition_.steps() - 1));
-    widen(square(scale * parameters_.reacquire_position_m),
-          square(scale * parameters_.reacquire_heading_rad));
+    detail::widen_pose(model_, square(scale * parameters_.reacquire_position_m),
+                       square(scale * parameters_.reacquire_heading_rad));
     ++health_.reacquisitions;
   }
   return Status::kOk;
-}
-
-template <class ErrorModel>
-void PlanarSlam<ErrorModel>::widen(T position_variance, T heading_variance) {
-  model_.widen_pose(detail::at_most(position_variance, kMostPositionVariance<T>),
-                    detail::at_most(heading_variance, kMostHeadingVariance<T>));
 }
 
 template <class ErrorModel>
@@ -124,7 +129,7 @@ Status PlanarSlam<ErrorModel>::widen_pose(T position_variance, T heading_varianc
   if (!is_finite(position_variance) || !is_finite(heading_variance)) return Status::kNonFiniteInput;
   if (position_variance < T(0) || heading_variance < T(0)) return Status::kInvalidArgument;
   end_rest();
-  widen(position_variance, heading_variance);
+  detail::widen_pose(model_, position_variance, heading_variance);
   return Status::kOk;
 }
 

@@ -106,22 +106,11 @@ Status FrameTracker<Config, Filter>::predict(std::int64_t t_us) {
   frame_step_s_ = step.seconds();
   monitor_.begin_frame(step.seconds_of_a_frame());
   static_cast<void>(estimate_.filter().predict_tilt(frame_step_s_));
-  drift_world(abs(odometry_.speed_mps()) * frame_step_s_);
+  PictureDrift().add_to(estimate_.filter(), abs(odometry_.speed_mps()) * frame_step_s_);
   monitor_.note_blind_frames(step.missed);
   if (!step.gap) return status;
   local_map_.drop_seeds();
   return ok(status) ? Status::kTimeGap : status;
-}
-
-/// Errors of the pictures last from frame to frame, which white noise of pixels does not model: a
-/// map that is seen piece after piece bends by more than the filter's covariance says. Measured in
-/// the hall over 3 to 20 m.
-template <class Config, class Filter>
-void FrameTracker<Config, Filter>::drift_world(float distance_m) {
-  constexpr float kPosition_m = 0.01F;     // per root metre, and axis
-  constexpr float kHeading_rad = 0.0008F;  // per root metre
-  static_cast<void>(estimate_.filter().drift_world(square(kPosition_m) * distance_m,
-                                                   square(kHeading_rad) * distance_m));
 }
 
 /// The picture is the one before: odometry alone has moved the vehicle, and the map stays.
