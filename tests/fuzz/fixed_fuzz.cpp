@@ -50,8 +50,8 @@ FixedCamera camera(Input& input) {
 }
 
 FixedCovariance2 covariance(Input& input) {
-  FixedCovariance2 c = {number<FixedVariance>(input, 1e-4, 0.5), {},
-                        number<FixedVariance>(input, 1e-4, 0.5)};
+  FixedCovariance2 c = {
+      number<FixedVariance>(input, 1e-4, 0.5), {}, number<FixedVariance>(input, 1e-4, 0.5)};
   if (input.byte() > 200) c.xy = number<FixedVariance>(input, -1e-4, 1e-4);
   return c;
 }
@@ -235,30 +235,12 @@ class Run {
   Filter filter_;
 };
 
-template <int Dim, FixedError Error>
-void run(Input& input) {
-  const auto run = std::make_unique<Run<Dim, Error>>(input);
-  for (int i = 0; i < 100 && !input.empty(); ++i) run->step(input);
-}
-
 }  // namespace
 }  // namespace cairn::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace cairn;
   using namespace cairn::fuzz;
-  count_allocations();
-  Input input(bytes, size);
-  switch (input.below(3)) {
-    case 0:
-      fuzz::run<2, FixedError::kGroup>(input);
-      break;
-    case 1:
-      fuzz::run<3, FixedError::kGroup>(input);
-      break;
-    default:
-      fuzz::run<2, FixedError::kWorld>(input);
-      break;
-  }
-  return 0;
+  return run_one_of<Run<2, FixedError::kGroup>, Run<3, FixedError::kGroup>,
+                    Run<2, FixedError::kWorld>>(bytes, size);
 }

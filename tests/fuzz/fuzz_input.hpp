@@ -161,4 +161,30 @@ struct ExactPicture {
   }
 };
 
+template <class Run>
+void run_steps(Input& input, int steps) {
+  const auto run = std::make_unique<Run>(input);
+  for (int i = 0; i < steps && !input.empty(); ++i) run->step(input);
+}
+
+/// Steps of one of three runs with the fuzzer's bytes, the first of which says of which.
+template <class First, class Second, class Third>
+int run_one_of(const std::uint8_t* bytes, std::size_t size) {
+  constexpr int kSteps = 100;
+  count_allocations();
+  Input input(bytes, size);
+  switch (input.below(3)) {
+    case 0:
+      run_steps<First>(input, kSteps);
+      break;
+    case 1:
+      run_steps<Second>(input, kSteps);
+      break;
+    default:
+      run_steps<Third>(input, kSteps);
+      break;
+  }
+  return 0;
+}
+
 }  // namespace cairn::fuzz

@@ -1,6 +1,4 @@
 // HandheldTracker: calls with arbitrary values in any order, from a cold and a warm start.
-#include <algorithm>
-
 #include "cairn/runtime/handheld_tracker.hpp"
 
 #include "tracker_scene.hpp"
@@ -10,15 +8,13 @@ namespace {
 
 using Tracker = HandheldTracker<SmallConfig>;
 
-class Run {
+class Run : TrackerRun<Tracker> {
  public:
-  Run() {
+  Run() : TrackerRun(kAlways, SmallConfig::kMaxFeatures) {
     PROMISE(1, ok(tracker_.initialise(test::to_float(scene_camera()), Tracker::Parameters())));
   }
 
-  void film(int frames) {
-    for (int i = 0; i < frames; ++i) usual_frame();
-  }
+  void usual_frame() { show_next(); }
 
   void step(Input& input) {
     switch (input.below(7)) {
@@ -31,14 +27,14 @@ class Run {
         usual_frame();
         break;
       case 3:
-        odd_frame(input);
+        show_odd(input);
         break;
       case 4:
-        t_us_ = later(input.time(), t_us_);
+        leap(input);
         usual_frame();
         break;
       case 5:
-        change_work_limit(tracker_, input, 14000, limit_);
+        change_limit(input, 14000);
         break;
       case 6:
         input.flag() ? load_changed_map(tracker_, input) : restart(input);
@@ -48,46 +44,19 @@ class Run {
   }
 
  private:
-  void usual_frame() {
-    t_us_ = later(t_us_, kFrameUs);
-    // There and back, so that every step is small.
-    const int at = frame_++ % (2 * kPictures - 2);
-    process(picture(at < kPictures ? at : 2 * kPictures - 2 - at));
-  }
-
-  void odd_frame(Input& input) {
-    const OddPicture odd(input);
-    if (input.flag()) t_us_ = later(t_us_, kFrameUs);
-    process(odd.view());
-  }
-
-  void process(const ImageView& image) {
-    FrameReport report;
-    if (!process_frame(tracker_, image, t_us_, report)) return;
-    PROMISE(4, good_pose(report.T_map_camera));
-    PROMISE(6, report.work <= std::max(limit_, kAlways));
-    PROMISE(6, report.inliers <= report.matches && report.landmarks <= SmallConfig::kMaxFeatures);
-  }
-
   void restart(Input& input) {
     PinholeCamera<float> camera = test::to_float(scene_camera());
     Tracker::Parameters parameters;
-    for (int changes = input.below(3); changes > 0; --changes) {
-      float* const numbers[] = {&camera.fx,
-                                &camera.cy,
-                                &camera.k1,
-                                &camera.p2,
-                                &parameters.filter.sigma_px,
-                                &parameters.filter.velocity_noise,
-                                &parameters.filter.fading_factor,
-                                &parameters.filter.initial_inverse_depth};
-      *numbers[input.below(8)] = input.wild();
-    }
-    const std::uint64_t before = state_of(tracker_);
-    const NoAllocation none;
-    const Status status = tracker_.initialise(camera, parameters);
-    PROMISE(3, ok(status) || state_of(tracker_) == before);
-    if (ok(status)) limit_ = parameters.work_limit;
+    float* const numbers[] = {&camera.fx,
+                              &camera.cy,
+                              &camera.k1,
+                              &camera.p2,
+                              &parameters.filter.sigma_px,
+                              &parameters.filter.velocity_noise,
+                              &parameters.filter.fading_factor,
+                              &parameters.filter.initial_inverse_depth};
+    change(input, numbers);
+    TrackerRun::restart(parameters, [&] { return tracker_.initialise(camera, parameters); });
   }
 
   void check() const {
@@ -101,11 +70,6 @@ class Run {
   }
 
   static constexpr int kAlways = 400;
-
-  Tracker tracker_;
-  std::int64_t t_us_ = 0;
-  int frame_ = 0;
-  int limit_ = Tracker::Parameters().work_limit;
 };
 
 }  // namespace
@@ -113,15 +77,5 @@ class Run {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace cairn::fuzz;
-  count_allocations();
-  static const std::unique_ptr<Run> cold = std::make_unique<Run>();
-  static const std::unique_ptr<Run> warm = [] {
-    auto run = std::make_unique<Run>();
-    run->film(24);
-    return run;
-  }();
-  Input input(bytes, size);
-  const auto run = std::make_unique<Run>(input.flag() ? *warm : *cold);
-  for (int i = 0; i < 40 && !input.empty(); ++i) run->step(input);
-  return 0;
+  return run_from_start<Run>(bytes, size, 24, 40);
 }

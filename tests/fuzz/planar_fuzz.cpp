@@ -29,7 +29,7 @@ Rigid<float> mount() {
 template <class Filter>
 class Run {
  public:
-  Run() {
+  explicit Run(Input&) {
     PROMISE(1, ok(filter_.initialise(PlanarPose<float>(), 1e-6F * Matrix3<float>::Identity())));
   }
 
@@ -194,30 +194,13 @@ class Run {
   Random random_{1};
 };
 
-template <class Filter>
-void run(Input& input) {
-  const auto run = std::make_unique<Run<Filter>>();
-  for (int i = 0; i < 100 && !input.empty(); ++i) run->step(input);
-}
-
 }  // namespace
 }  // namespace cairn::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace cairn;
   using namespace cairn::fuzz;
-  count_allocations();
-  Input input(bytes, size);
-  switch (input.below(3)) {
-    case 0:
-      fuzz::run<GroupIekfSlam<float, kLandmarks, 3>>(input);
-      break;
-    case 1:
-      fuzz::run<LiftedIekfSlam<float, kLandmarks, 3>>(input);
-      break;
-    default:
-      fuzz::run<EkfSlam<float, kLandmarks, 3>>(input);
-      break;
-  }
-  return 0;
+  return run_one_of<Run<GroupIekfSlam<float, kLandmarks, 3>>,
+                    Run<LiftedIekfSlam<float, kLandmarks, 3>>, Run<EkfSlam<float, kLandmarks, 3>>>(
+      bytes, size);
 }

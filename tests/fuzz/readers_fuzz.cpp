@@ -42,9 +42,9 @@ class Folder {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   if (size < 1 || size > 65536) return 0;
-  static const char* const names[] = {"camera.yaml",  "camera.json", "camera.xml", "cameras.txt",
-                                      "odometry.csv", "truth.tum",   "times.csv",
-                                      "gyro.csv",     "sensor.yaml"};
+  static const char* const names[] = {"camera.yaml", "camera.json",  "camera.xml",
+                                      "cameras.txt", "odometry.csv", "truth.tum",
+                                      "times.csv",   "gyro.csv",     "sensor.yaml"};
   const std::size_t kind = bytes[0] % 9U;
   static const Folder folder;
   const fs::path path = folder.path() / names[kind];

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "cairn/base/config.hpp"
@@ -181,6 +183,81 @@ void load_changed_map(Tracker& tracker, Input& input) {
   const NoAllocation none;
   const Status status = tracker.load_map(map.source(), info);
   PROMISE(3, ok(status) || state_of(tracker) == before);
+}
+
+/// What the runs of all trackers share: pictures, a clock, and what holds after every frame.
+template <class Tracker>
+class TrackerRun {
+ public:
+  using Parameters = typename Tracker::Parameters;
+
+ protected:
+  /// `always`: units of work that no limit leaves out; `most`: landmarks that a tracker holds.
+  TrackerRun(int always, int most) : always_(always), most_(most) {}
+
+  void show(const ImageView& image) {
+    FrameReport report;
+    if (!process_frame(tracker_, image, t_us_, report)) return;
+    PROMISE(4, good_pose(report.T_map_camera) && good_pose(report.T_world_camera));
+    PROMISE(6, report.work <= std::max(limit_, always_));
+    PROMISE(6, report.inliers <= report.matches && report.landmarks <= most_);
+  }
+  /// The next picture there and back, so that every step is small.
+  void show_next() {
+    t_us_ = later(t_us_, kFrameUs);
+    const int at = frame_++ % (2 * kPictures - 2);
+    show(picture(at < kPictures ? at : 2 * kPictures - 2 - at));
+  }
+  void show_odd(Input& input) {
+    const OddPicture odd(input);
+    if (input.flag()) t_us_ = later(t_us_, kFrameUs);
+    show(odd.view());
+  }
+  void leap(Input& input) { t_us_ = later(input.time(), t_us_); }
+  void change_limit(Input& input, int most) { change_work_limit(tracker_, input, most, limit_); }
+
+  /// Up to two of the numbers become any.
+  template <int Count>
+  static void change(Input& input, float* const (&numbers)[Count]) {
+    for (int changes = input.below(3); changes > 0; --changes) {
+      *numbers[input.below(Count)] = input.wild();
+    }
+  }
+  /// Initialises the tracker by `initialise`; whether it did. A refusal leaves its state.
+  template <class Initialise>
+  bool restart(const Parameters& parameters, const Initialise& initialise) {
+    const std::uint64_t before = state_of(tracker_);
+    const NoAllocation none;
+    const Status status = initialise();
+    PROMISE(3, ok(status) || state_of(tracker_) == before);
+    if (ok(status)) limit_ = parameters.work_limit;
+    return ok(status);
+  }
+
+  Tracker tracker_;
+  std::int64_t t_us_ = 0;
+  int frame_ = 0;
+
+ private:
+  int always_;
+  int most_;
+  int limit_ = Parameters().work_limit;
+};
+
+/// Steps of a run with the fuzzer's bytes, from a cold start or after some frames.
+template <class Run>
+int run_from_start(const std::uint8_t* bytes, std::size_t size, int warm_frames, int steps) {
+  count_allocations();
+  static const std::unique_ptr<Run> cold = std::make_unique<Run>();
+  static const std::unique_ptr<Run> warm = [&] {
+    auto run = std::make_unique<Run>();
+    for (int i = 0; i < warm_frames; ++i) run->usual_frame();
+    return run;
+  }();
+  Input input(bytes, size);
+  const auto run = std::make_unique<Run>(input.flag() ? *warm : *cold);
+  for (int i = 0; i < steps && !input.empty(); ++i) run->step(input);
+  return 0;
 }
 
 }  // namespace cairn::fuzz

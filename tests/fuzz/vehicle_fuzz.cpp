@@ -1,7 +1,5 @@
 // VehicleTracker: calls with arbitrary values in any order, from a cold and a warm start, with and
 // without a gyroscope in the place of the wheels' yaw rate.
-#include <algorithm>
-
 #include "cairn/numeric/positive_definite.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 #include "cairn/runtime/vehicle_tracker.hpp"
@@ -26,16 +24,21 @@ Tracker::Start still() {
   return start;
 }
 
-class Run {
+class Run : TrackerRun<Tracker> {
  public:
-  Run() {
+  Run() : TrackerRun(kAlways, SmallConfig::kMaxLandmarks) {
     PROMISE(1, ok(tracker_.initialise(test::to_float(scene_camera()), mount(), still(),
                                       Tracker::Parameters())));
     gyro_.reset(GyroParameters(), mount());
   }
 
-  void drive(int frames) {
-    for (int i = 0; i < frames; ++i) usual_frame();
+  void usual_frame() {
+    t_us_ = later(t_us_, kFrameUs);
+    OdometrySample sample;
+    sample.t_us = t_us_;
+    sample.speed_mps = frame_ % kPictures == 0 ? 0.0F : 0.6F;
+    add(sample);
+    show(picture(frame_++));
   }
 
   void step(Input& input) {
@@ -48,14 +51,14 @@ class Run {
         wild_odometry(input);
         break;
       case 3:
-        odd_frame(input);
+        show_odd(input);
         break;
       case 4:
-        t_us_ = later(input.time(), t_us_);
+        leap(input);
         usual_frame();
         break;
       case 5:
-        change_work_limit(tracker_, input, 12000, limit_);
+        change_limit(input, 12000);
         break;
       case 6:
         load_changed_map(tracker_, input);
@@ -74,15 +77,6 @@ class Run {
   }
 
  private:
-  void usual_frame() {
-    t_us_ = later(t_us_, kFrameUs);
-    OdometrySample sample;
-    sample.t_us = t_us_;
-    sample.speed_mps = frame_ % kPictures == 0 ? 0.0F : 0.6F;
-    add(sample);
-    process(picture(frame_++));
-  }
-
   void wild_odometry(Input& input) {
     OdometrySample sample;
     sample.t_us = input.flag() ? later(t_us_, 1000) : input.time();
@@ -122,50 +116,28 @@ class Run {
     PROMISE(3, !refused || state_of(tracker_) == before);
   }
 
-  void odd_frame(Input& input) {
-    const OddPicture odd(input);
-    if (input.flag()) t_us_ = later(t_us_, kFrameUs);
-    process(odd.view());
-  }
-
-  void process(const ImageView& image) {
-    FrameReport report;
-    if (!process_frame(tracker_, image, t_us_, report)) return;
-    PROMISE(4, good_pose(report.T_map_camera) && good_pose(report.T_world_camera));
-    PROMISE(6, report.work <= std::max(limit_, kAlways));
-    PROMISE(6, report.inliers <= report.matches && report.landmarks <= SmallConfig::kMaxLandmarks);
-  }
-
   void restart(Input& input) {
     PinholeCamera<float> camera = test::to_float(scene_camera());
     Rigid<float> at = mount();
     Tracker::Start start = still();
     Tracker::Parameters parameters;
-    for (int changes = input.below(3); changes > 0; --changes) {
-      float* const numbers[] = {&camera.fx,
-                                &camera.cy,
-                                &camera.k1,
-                                &at.translation.z(),
-                                &at.rotation.w(),
-                                &start.pose.heading,
-                                &start.pose.position.x(),
-                                &start.covariance(0, 0),
-                                &start.covariance(1, 2),
-                                &parameters.sigma_px,
-                                &parameters.odometry.sigma_speed_mps,
-                                &parameters.odometry.wheelbase_m,
-                                &parameters.filter.gate};
-      *numbers[input.below(13)] = input.wild();
-    }
+    float* const numbers[] = {&camera.fx,
+                              &camera.cy,
+                              &camera.k1,
+                              &at.translation.z(),
+                              &at.rotation.w(),
+                              &start.pose.heading,
+                              &start.pose.position.x(),
+                              &start.covariance(0, 0),
+                              &start.covariance(1, 2),
+                              &parameters.sigma_px,
+                              &parameters.odometry.sigma_speed_mps,
+                              &parameters.odometry.wheelbase_m,
+                              &parameters.filter.gate};
+    change(input, numbers);
     start.t_us = input.flag() ? t_us_ : input.time();
-    const std::uint64_t before = state_of(tracker_);
-    const NoAllocation none;
-    const Status status = tracker_.initialise(camera, at, start, parameters);
-    PROMISE(3, ok(status) || state_of(tracker_) == before);
-    if (ok(status)) {
-      t_us_ = start.t_us;
-      limit_ = parameters.work_limit;
-    }
+    const auto initialise = [&] { return tracker_.initialise(camera, at, start, parameters); };
+    if (TrackerRun::restart(parameters, initialise)) t_us_ = start.t_us;
   }
 
   void check() const {
@@ -188,12 +160,8 @@ class Run {
   /// Prediction and plan, which no limit leaves out.
   static constexpr int kAlways = 400;
 
-  Tracker tracker_;
   GyroYaw gyro_;
   bool replaces_turns_ = false;
-  std::int64_t t_us_ = 0;
-  int frame_ = 0;
-  int limit_ = Tracker::Parameters().work_limit;
 };
 
 }  // namespace
@@ -201,15 +169,5 @@ class Run {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace cairn::fuzz;
-  count_allocations();
-  static const std::unique_ptr<Run> cold = std::make_unique<Run>();
-  static const std::unique_ptr<Run> warm = [] {
-    auto run = std::make_unique<Run>();
-    run->drive(20);
-    return run;
-  }();
-  Input input(bytes, size);
-  const auto run = std::make_unique<Run>(input.flag() ? *warm : *cold);
-  for (int i = 0; i < 40 && !input.empty(); ++i) run->step(input);
-  return 0;
+  return run_from_start<Run>(bytes, size, 20, 40);
 }

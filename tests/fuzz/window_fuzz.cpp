@@ -1,7 +1,5 @@
 // WindowTracker: frames and a gyroscope's samples with arbitrary values in any order, from a cold
 // and a warm start.
-#include <algorithm>
-
 #include "cairn/runtime/window_tracker.hpp"
 
 #include "tracker_scene.hpp"
@@ -11,15 +9,13 @@ namespace {
 
 using Tracker = WindowTracker<SmallConfig>;
 
-class Run {
+class Run : TrackerRun<Tracker> {
  public:
-  Run() {
+  Run() : TrackerRun(kAlways, Tracker::kMaxFeatures) {
     PROMISE(1, ok(tracker_.initialise(test::to_float(scene_camera()), Tracker::Parameters())));
   }
 
-  void film(int frames) {
-    for (int i = 0; i < frames; ++i) usual_frame();
-  }
+  void usual_frame() { show_next(); }
 
   void step(Input& input) {
     switch (input.below(9)) {
@@ -32,14 +28,14 @@ class Run {
         usual_frame();
         break;
       case 3:
-        odd_frame(input);
+        show_odd(input);
         break;
       case 4:
-        t_us_ = later(input.time(), t_us_);
+        leap(input);
         usual_frame();
         break;
       case 5:
-        change_work_limit(tracker_, input, 14000, limit_);
+        change_limit(input, 14000);
         break;
       case 6:
         wild_sample(input);
@@ -55,27 +51,6 @@ class Run {
   }
 
  private:
-  void usual_frame() {
-    t_us_ = later(t_us_, kFrameUs);
-    // There and back, so that every step is small.
-    const int at = frame_++ % (2 * kPictures - 2);
-    process(picture(at < kPictures ? at : 2 * kPictures - 2 - at));
-  }
-
-  void odd_frame(Input& input) {
-    const OddPicture odd(input);
-    if (input.flag()) t_us_ = later(t_us_, kFrameUs);
-    process(odd.view());
-  }
-
-  void process(const ImageView& image) {
-    FrameReport report;
-    if (!process_frame(tracker_, image, t_us_, report)) return;
-    PROMISE(4, good_pose(report.T_map_camera));
-    PROMISE(6, report.work <= std::max(limit_, kAlways));
-    PROMISE(6, report.inliers <= report.matches && report.landmarks <= Tracker::kMaxFeatures);
-  }
-
   /// Up to the next frame's time, of a gyroscope that turns at a rate of its own.
   void usual_samples(Input& input) {
     AngularRateSample sample;
@@ -111,28 +86,22 @@ class Run {
   void restart(Input& input) {
     PinholeCamera<float> camera = test::to_float(scene_camera());
     Tracker::Parameters parameters;
-    for (int changes = input.below(3); changes > 0; --changes) {
-      float* const numbers[] = {&camera.fx,
-                                &camera.cy,
-                                &camera.k1,
-                                &camera.p2,
-                                &parameters.sigma_px,
-                                &parameters.window.focal_sigma,
-                                &parameters.window.start_gain,
-                                &parameters.window.start_margin,
-                                &parameters.gyro.R_camera_gyro.w(),
-                                &parameters.gyro.noise_density,
-                                &parameters.gyro.bias_sigma_radps,
-                                &parameters.gyro.time_sigma_s,
-                                &parameters.gyro.range_radps};
-      *numbers[input.below(13)] = input.wild();
-    }
+    float* const numbers[] = {&camera.fx,
+                              &camera.cy,
+                              &camera.k1,
+                              &camera.p2,
+                              &parameters.sigma_px,
+                              &parameters.window.focal_sigma,
+                              &parameters.window.start_gain,
+                              &parameters.window.start_margin,
+                              &parameters.gyro.R_camera_gyro.w(),
+                              &parameters.gyro.noise_density,
+                              &parameters.gyro.bias_sigma_radps,
+                              &parameters.gyro.time_sigma_s,
+                              &parameters.gyro.range_radps};
+    change(input, numbers);
     if (input.byte() > 240) camera.lens = Lens::kFisheye;
-    const std::uint64_t before = state_of(tracker_);
-    const NoAllocation none;
-    const Status status = tracker_.initialise(camera, parameters);
-    PROMISE(3, ok(status) || state_of(tracker_) == before);
-    if (ok(status)) limit_ = parameters.work_limit;
+    TrackerRun::restart(parameters, [&] { return tracker_.initialise(camera, parameters); });
   }
 
   void check() const {
@@ -158,11 +127,6 @@ class Run {
 
   /// Prediction, and the searches and poses that no limit leaves out.
   static constexpr int kAlways = 3000;
-
-  Tracker tracker_;
-  std::int64_t t_us_ = 0;
-  int frame_ = 0;
-  int limit_ = Tracker::Parameters().work_limit;
 };
 
 }  // namespace
@@ -170,15 +134,5 @@ class Run {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace cairn::fuzz;
-  count_allocations();
-  static const std::unique_ptr<Run> cold = std::make_unique<Run>();
-  static const std::unique_ptr<Run> warm = [] {
-    auto run = std::make_unique<Run>();
-    run->film(24);
-    return run;
-  }();
-  Input input(bytes, size);
-  const auto run = std::make_unique<Run>(input.flag() ? *warm : *cold);
-  for (int i = 0; i < 16 && !input.empty(); ++i) run->step(input);
-  return 0;
+  return run_from_start<Run>(bytes, size, 24, 16);
 }
