@@ -61,7 +61,7 @@ class HallSource final : public FrameSource {
         hall_(build_hall(options.seed)),
         camera_(hall_camera(options.width)),
         renderer_(camera_),
-        sensor_(sensor_settings(options.seed)),
+        sensor_(Sensor::Settings::with_seed(options.seed)),
         odometry_noise_(options.seed ^ 0x0d0ULL),
         body_({options.tilt_rad, options.tilt_rad, kTiltTime_s}, options.seed ^ 0x717ULL),
         next_(options.first_frame),
@@ -113,12 +113,6 @@ class HallSource final : public FrameSource {
   }
 
  private:
-  static Sensor::Settings sensor_settings(std::uint64_t seed) {
-    Sensor::Settings settings;
-    settings.seed = seed;
-    return settings;
-  }
-
   static std::int64_t time_us(int frame) {
     return std::llround(1e6 * static_cast<double>(frame) / kFrameRate);
   }

@@ -41,7 +41,7 @@ class HandSource final : public FrameSource {
         hall_(build_hall(options.seed)),
         motion_(options.seed),
         camera_(hand_camera()),
-        sensor_(sensor_settings(options.seed)),
+        sensor_(Sensor::Settings::with_seed(options.seed)),
         next_(options.first_frame),
         end_(options.first_frame + options.frame_count.value_or(kHandFrames)) {
     info_.name = "hall-hand";
@@ -72,12 +72,6 @@ class HandSource final : public FrameSource {
   }
 
  private:
-  static Sensor::Settings sensor_settings(std::uint64_t seed) {
-    Sensor::Settings settings;
-    settings.seed = seed;
-    return settings;
-  }
-
   void render(double t_s) {
     if (readout_s_ == 0.0) {
       Renderer(camera_).render(hall_.scene, motion_.pose_at_time(t_s), ideal_);

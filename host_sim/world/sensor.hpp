@@ -16,6 +16,12 @@ class Sensor {
     double exposure_swing = 0.12;  ///< relative
     double exposure_period_s = 27.0;
     std::uint64_t seed = 1;
+
+    static Settings with_seed(std::uint64_t seed) {
+      Settings settings;
+      settings.seed = seed;
+      return settings;
+    }
   };
 
   explicit Sensor(const Settings& settings);
