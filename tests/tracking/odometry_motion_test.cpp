@@ -26,6 +26,17 @@ TEST(OdometryNoiseParameters, AreCheckedWhole) {
   }
 }
 
+TEST(OdometryNoiseParameters, MayHaveNoSlide) {
+  OdometryNoise noise;
+  noise.turn_centre_m = 0.0F;
+  EXPECT_TRUE(ok(noise.validate()));
+  for (const float value :
+       {-0.1F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    noise.turn_centre_m = value;
+    EXPECT_EQ(noise.validate(), Status::kBadConfig);
+  }
+}
+
 /// GIVEN readings of 1 m/s straight ahead, ten a second from time 0 on.
 class AHeldMotion : public ::testing::Test {
  protected:
@@ -46,6 +57,17 @@ class AHeldMotion : public ::testing::Test {
   OdometryNoise noise_;
   OdometryMotion motion_;
 };
+
+/// Over the second that a turn slides in one direction, twice the square of centre and yaw rate.
+TEST_F(AHeldMotion, SlidesInATurnByTheSameHoweverTimeIsCut) {
+  EXPECT_EQ(motion_.slide_over(0.1F), 0.0F) << "straight ahead";
+  for (int k = 21; k <= 80; ++k) motion_.take(reading(k, 1.0F, 0.5F));
+  const float second = motion_.slide_over(1.0F);
+  EXPECT_NEAR(second, 2.0F * square(noise_.turn_centre_m * 0.5F), 1e-5F);
+  EXPECT_NEAR(50.0F * motion_.slide_over(0.02F), second, 1e-6F);
+  motion_.take(reading(81, 0.0F));
+  EXPECT_EQ(motion_.slide_over(0.1F), 0.0F) << "at rest, whatever the readings before";
+}
 
 TEST_F(AHeldMotion, IsTheNewestReadings) {
   EXPECT_TRUE(motion_.has_sample());

@@ -19,6 +19,7 @@ Status OdometryNoise::validate() const {
   const bool good = is_positive(sigma_speed_mps) && is_positive(sigma_turn) &&
                     is_positive(wheelbase_m) && is_positive(sample_period_s) &&
                     is_finite(steady_s) && steady_s >= 0.0F && is_positive(max_acceleration_mps2) &&
+                    is_finite(turn_centre_m) && turn_centre_m >= 0.0F &&
                     is_positive(unknown_speed_mps) && is_positive(unknown_yaw_rate_radps);
   return good ? Status::kOk : Status::kBadConfig;
 }
@@ -117,6 +118,15 @@ PlanarIncrement<float> OdometryMotion::increment_of(const OdometrySample& readin
              ? ackermann_increment(reading.speed_mps, reading.turn, dt_s, noise_.wheelbase_m, sigma,
                                    sigma_turn, kModel)
              : twist_increment(reading.speed_mps, reading.turn, dt_s, sigma, sigma_turn, kModel);
+}
+
+/// A turn slides for about a second in one direction: cut into steps, that is a random walk of the
+/// same size.
+float OdometryMotion::slide_over(float dt_s) const {
+  constexpr float kTurn_s = 1.0F;
+  if (at_rest()) return 0.0F;
+  const float yaw_rate = over(steady(), 1.0F).yaw_rad;
+  return 2.0F * kTurn_s * dt_s * square(noise_.turn_centre_m * yaw_rate);
 }
 
 /// By how much the yaw rate held differs from the low-passed one beyond the noise of a sample.

@@ -92,6 +92,8 @@ class OdometryIntegrator {
   Status check(const OdometrySample& sample, Health& health) const;
   bool samples_missing(std::int64_t from_us, std::int64_t to_us) const;
   template <class Filter>
+  Status move(const PlanarIncrement<float>& increment, float step_s, Filter& filter);
+  template <class Filter>
   Status bridge_to(const OdometrySample& sample, Filter& filter);
   Step bridging(const OdometrySample& sample) const;
   void note_interval(float step_s);
@@ -149,13 +151,21 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
   increment.turn_rad += correction.yaw_rad;
   if (step_s > 0.0F) time_us_ = sample.t_us;
   if (step_s > 0.0F || correction.distance_m != 0.0F || correction.yaw_rad != 0.0F) {
-    const Status moved = filter.predict(increment);
+    const Status moved = move(increment, step_s, filter);
     if (!ok(moved)) return moved;
-    yaw_variance_ += increment.covariance(1, 1);
     trust_.fade(step_s);
   }
   if (glitch) return Status::kGated;
   return gap ? Status::kTimeGap : Status::kOk;
+}
+
+template <class Filter>
+Status OdometryIntegrator::move(const PlanarIncrement<float>& increment, float step_s,
+                                Filter& filter) {
+  const Status moved = filter.predict(increment);
+  if (!ok(moved)) return moved;
+  yaw_variance_ += increment.covariance(1, 1);
+  return filter.slide(motion_.slide_over(step_s));
 }
 
 /// Over a time in which samples are missing, which the pose has not been moved through: as the
@@ -170,11 +180,11 @@ Status OdometryIntegrator::bridge_to(const OdometrySample& sample, Filter& filte
   mean.turn = 0.5F * (first.turn + sample.turn);
   const PlanarIncrement<float> increment =
       motion_.increment_of(mean, step_s, kNoiseOfTwo, trust_.slip_mps());
-  const Status moved = filter.predict(increment);
+  const Status moved = move(increment, step_s, filter);
   if (!ok(moved)) return moved;
   const Drift drift = motion_.drift_between_samples(first, sample, step_s);
   time_us_ = sample.t_us;
-  yaw_variance_ += increment.covariance(1, 1) + drift.heading;
+  yaw_variance_ += drift.heading;
   trust_.fade(step_s);
   return filter.widen_pose(drift.position, drift.heading);
 }
@@ -199,9 +209,7 @@ Status OdometryIntegrator::integrate_to(std::int64_t t_us, Filter& filter, Healt
   time_us_ = t_us;
   Status status = Status::kOk;
   if (motion_.has_sample() && held_s > 0.0F) {
-    const PlanarIncrement<float> increment = motion_.increment_over(held_s, trust_.slip_mps());
-    status = filter.predict(increment);
-    if (ok(status)) yaw_variance_ += increment.covariance(1, 1);
+    status = move(motion_.increment_over(held_s, trust_.slip_mps()), held_s, filter);
   }
   trust_.fade(to_s - from_s);
   const Drift drift = motion_.drift_between(from_s, to_s);

@@ -16,12 +16,16 @@ struct OdometryNoise {
   float sample_period_s = 0.1F;  ///< the period at which the noise above is stated
   float steady_s = 0.3F;  ///< time constant of the low-passed readings at which noise is linearised
   float max_acceleration_mps2 = 20.0F;  ///< a reading that changes faster counts as a glitch
+  /// How far before or behind the vehicle's origin the place lies that does not slide sideways in a
+  /// turn, standard deviation; 0: the vehicle never does.
+  float turn_centre_m = 0.1F;
   /// Standard deviations of the motion while nothing is measured, or of the last reading's size
   /// where that is larger.
   float unknown_speed_mps = 1.0F;
   float unknown_yaw_rate_radps = 0.5F;
 
-  /// kBadConfig for a value that is not finite or not above 0 (`steady_s` may be 0).
+  /// kBadConfig for a value that is not finite or not above 0 (`steady_s` and `turn_centre_m` may
+  /// be 0).
   Status validate() const;
 };
 
@@ -80,6 +84,8 @@ class OdometryMotion {
   /// A reading's, with noise of `scale` times that of a sample.
   PlanarIncrement<float> increment_of(const OdometrySample& reading, float dt_s, float scale,
                                       float slip_mps) const;
+  /// Variance of how far the vehicle slides across its heading in a time, m^2.
+  float slide_over(float dt_s) const;
   /// What the time since the motion was known adds between `from_s` and `to_s` after it.
   Drift drift_between(float from_s, float to_s) const;
   /// What `step_s` adds where only the samples before and after it are known.
@@ -90,10 +96,10 @@ class OdometryMotion {
   float sigma_speed(float scale, float slip_mps) const;
   float yaw_outlier() const;
 
-  OdometryNoise noise_;
   std::int64_t max_step_us_ = 0;
   std::int64_t seen_us_ = 0;  ///< of the last image that corrected what is held
   OdometrySample held_;
+  OdometryNoise noise_;
   ReadingLowPass<float> steady_;
   bool has_sample_ = false;
   bool by_images_ = false;

@@ -134,6 +134,17 @@ Status PlanarSlam<ErrorModel>::widen_pose(T position_variance, T heading_varianc
 }
 
 template <class ErrorModel>
+Status PlanarSlam<ErrorModel>::slide(T variance) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (!is_finite(variance)) return Status::kNonFiniteInput;
+  if (variance < T(0)) return Status::kInvalidArgument;
+  if (variance == T(0)) return Status::kOk;
+  end_rest();
+  model_.slide(variance);
+  return Status::kOk;
+}
+
+template <class ErrorModel>
 bool PlanarSlam<ErrorModel>::recentre() {
   if constexpr (ErrorModel::kTurnsAboutAnchor) {
     if (!initialised_ || !model_.bends()) return false;

@@ -2,7 +2,7 @@
 
 #include "cairn/planar/error_model/group.hpp"
 
-// GroupErrorModel: what all its states share, and the centre about which its error turns.
+// GroupErrorModel: what all its states share, the centre about which its error turns, and slides.
 
 namespace cairn {
 
@@ -16,6 +16,16 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::share_pose_error
     const int first_kept = i < 3 ? i + 1 : 3;
     for (int j = 0; j < first_kept; ++j) P_(i, j) = T(0);
   }
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::slide(T variance) {
+  const RelativeFrame<T> f = this->frame();
+  W_(1, 1) += variance * square(f.sine);
+  W_(2, 1) -= variance * f.sine * f.cosine;
+  W_(2, 2) += variance * square(f.cosine);
+  W_(1, 2) = W_(2, 1);
+  deferred_ = true;
 }
 
 template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>

@@ -274,4 +274,13 @@ void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::widen_pose(T position_varia
   P_.downdate(scratch_[2], -heading_variance);
 }
 
+template <class T, int MaxLandmarks, int LandmarkDim>
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::slide(T variance) {
+  detail::Monomials<T> left;
+  left.m[detail::kUy] = T(1);
+  left.m[detail::kUyC] = T(1);
+  transition_all(left, z_, scratch_[1]);
+  P_.downdate(scratch_[1], -variance);
+}
+
 }  // namespace cairn
