@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "cairn/planar/group_iekf_slam.hpp"
+
 namespace cairn {
 namespace {
 
@@ -128,6 +130,58 @@ TEST_F(SeedsInMotion, ExpectTheCameraOnTheArc) {
   const Vector3<float> forward =
       estimate_.mount.rotation * (later.rotation * Vector3<float>::UnitZ());
   EXPECT_NEAR(forward.y(), 0.09983F, 1e-5F);
+}
+
+struct EstimateOfAWay {
+  GroupIekfSlam<float, 4, 3> slam;
+  const GroupIekfSlam<float, 4, 3>& filter() const { return slam; }
+};
+
+/// GIVEN a vehicle that remembers where it was, and has moved 5 cm by an odometry of 2 cm a step.
+class AWaySinceAKeyframe : public ::testing::Test {
+ protected:
+  static constexpr LandmarkId kKeyframe = 3;
+
+  AWaySinceAKeyframe() {
+    EXPECT_TRUE(ok(estimate_.slam.initialise({}, 1e-8F * Matrix3<float>::Identity())));
+    EXPECT_TRUE(ok(estimate_.slam.add_position(kKeyframe)));
+    move(0.05F);
+  }
+  void move(float distance_m) {
+    PlanarIncrement<float> step;
+    step.distance_m = distance_m;
+    step.covariance(0, 0) = 4e-4F;
+    step.covariance(1, 1) = 1e-6F;
+    EXPECT_TRUE(ok(estimate_.slam.predict(step)));
+  }
+
+  EstimateOfAWay estimate_;
+};
+
+TEST_F(AWaySinceAKeyframe, IsKnownOnceItIsFourTimesItsSigma) {
+  EXPECT_FALSE(way_is_known(estimate_, kKeyframe)) << "5 +- 2 cm";
+  move(0.05F);
+  EXPECT_FALSE(way_is_known(estimate_, kKeyframe)) << "10 +- 2.8 cm";
+  move(0.05F);
+  EXPECT_TRUE(way_is_known(estimate_, kKeyframe)) << "15 +- 3.5 cm";
+}
+
+TEST_F(AWaySinceAKeyframe, IsUnknownToAVehicleThatHasNotMoved) {
+  move(-0.05F);
+  EXPECT_FALSE(way_is_known(estimate_, kKeyframe));
+}
+
+/// Sideways errors turn the map, they do not scale it.
+TEST_F(AWaySinceAKeyframe, IsKnownThoughTheVehicleMayHaveSlid) {
+  for (int k = 0; k < 3; ++k) move(0.05F);
+  ASSERT_TRUE(ok(estimate_.slam.slide(0.01F)));
+  EXPECT_TRUE(way_is_known(estimate_, kKeyframe));
+  ASSERT_TRUE(ok(estimate_.slam.widen_pose(0.01F, 0.0F)));
+  EXPECT_FALSE(way_is_known(estimate_, kKeyframe));
+}
+
+TEST_F(AWaySinceAKeyframe, OfAnotherFilterIsNoConcern) {
+  EXPECT_TRUE(way_is_known(estimate_, LandmarkId{99}));
 }
 
 }  // namespace

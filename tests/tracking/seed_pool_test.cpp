@@ -67,6 +67,24 @@ TEST_F(SeedDepth, IsFoundBySidewaysMotion) {
   EXPECT_GE(landmarks * 2, started);
 }
 
+TEST_F(SeedDepth, WaitsWhileTheWaySinceItsKeyframeIsNotKnown) {
+  start();
+  for (int k = 1; k <= 12; ++k) {
+    const Rigid<double> T{Quaternion<double>::Identity(), {0.05 * k, 0, 0}};
+    const auto image = scene_.render(camera_, T);
+    pool_.follow(test::view(image, camera_), test::to_float(camera_), test::to_float(T),
+                 parameters_, unlimited_);
+    ConvergedSeed converged;
+    const auto unknown = [](LandmarkId keyframe) { return keyframe != kKeyframe; };
+    EXPECT_FALSE(pool_.take_converged(test::to_float(camera_), parameters_, unknown, converged));
+  }
+  const int waiting = pool_.size();
+  int landmarks = 0;
+  ConvergedSeed converged;
+  while (pool_.take_converged(test::to_float(camera_), parameters_, converged)) ++landmarks;
+  EXPECT_GE(2 * landmarks, waiting);
+}
+
 /// At the first picture of a moving vehicle its speed may not be known yet, and with it the depth
 /// that seeds begin with.
 TEST_F(SeedDepth, IsThatOfThePresentParametersUntilASecondPicture) {

@@ -175,6 +175,40 @@ TEST_F(MapOfAVehicle, TheMapsErrorIsThatOfThePoseThatRecognisedIt) {
   EXPECT_GT(archive_.covariance_in_map(*estimate_)(0, 0), 1.0F);
 }
 
+/// Of a vehicle that drives along a wall, 5 cm a frame by an odometry of so much noise.
+TEST_F(MapOfAVehicle, GrowsOnceTheWayIsKnown) {
+  constexpr float kStep_m = 0.05F;
+  constexpr float kStep_s = 0.05F;
+  std::vector<std::vector<std::uint8_t>> pictures;
+  for (int k = 0; k < 9; ++k) {
+    const Rigid<double> T{Quaternion<double>::Identity(), {0.05 * k, 0.0, 0.0}};
+    pictures.push_back(test::PlaneScene(2.0).render(test::small_camera(), T));
+  }
+  const auto landmarks = [&](float sigma_m) {
+    start(TiltParameters<float>::flat_floor());
+    LocalMap local_map;
+    local_map.reset({}, SearchParameters{});
+    PlanarIncrement<float> increment;
+    increment.distance_m = kStep_m;
+    increment.covariance(0, 0) = square(sigma_m);
+    increment.covariance(1, 1) = 1e-8F;
+    int added = 0;
+    for (const auto& picture : pictures) {
+      image_.data = picture.data();
+      report_ = FrameReport{};
+      work_.begin(0);
+      auto f = frame();
+      local_map.begin_frame(image_, kStep_s);
+      local_map.follow(f, *estimate_, {kStep_m / kStep_s, kStep_s, 1e-8F, true, 0.0F}, true);
+      added += report_.added;
+      EXPECT_TRUE(ok(estimate_->filter().predict(increment)));
+    }
+    return added;
+  };
+  EXPECT_GE(landmarks(0.005F), 4);
+  EXPECT_EQ(landmarks(0.1F), 0) << "0.4 +- 0.28 m";
+}
+
 TEST_F(MapOfAVehicle, CountsMessagesForWhichThereIsNoRoom) {
   auto f = frame();
   for (int k = 0; k < 100; ++k) archive_.report_found(f, 1);

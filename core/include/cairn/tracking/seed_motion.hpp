@@ -72,6 +72,23 @@ Vector3<float> rotation_since_last_frame(const SeedNoise& noise, const Estimate&
   return {least(step.y(), 2.0F * tilt(1, 1)), least(step.x(), 2.0F * tilt(0, 0)), yaw};
 }
 
+/// Whether the length of the way since a keyframe is known to a quarter of itself. Distances of
+/// landmarks are multiples of it: of a vehicle that has moved by hardly more than its odometry's
+/// noise, a map of any size would follow, and none of the filter's linear errors says so. True for
+/// a keyframe that the filter does not have. `Estimate`: VehicleEstimate.
+template <class Estimate>
+bool way_is_known(const Estimate& estimate, LandmarkId keyframe) {
+  constexpr float kMostRelativeSigma = 0.25F;
+  const auto& filter = estimate.filter();
+  const int slot = filter.find(keyframe);
+  if (slot < 0) return true;
+  const Vector2<float> way =
+      filter.mean_pose().position - filter.mean_landmark(slot).template head<2>();
+  const Matrix2<float> covariance =
+      filter.relative_landmark_covariance(slot).template topLeftCorner<2, 2>();
+  return way.dot(covariance * way) < square(kMostRelativeSigma * way.dot(way));
+}
+
 /// The seeds' parameters for one frame. Depth is measured by the distance travelled: a fast vehicle
 /// must expect, and may trust, larger depths. The estimate's rotation is uncertain about the
 /// vehicle's axes; the seeds need it about the camera's. `Estimate`: VehicleEstimate.

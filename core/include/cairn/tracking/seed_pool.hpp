@@ -70,8 +70,16 @@ class SeedPool {
 
   /// Takes out the next seed that was seen in this frame and whose depth has converged; false when
   /// there is none. Seeds that converged outside the usable depths are dropped. Call until false.
+  /// `known(keyframe)`: whether the way since a keyframe, of which depths are multiples, is known
+  /// well enough; the seeds of others stay.
+  template <class Known>
   bool take_converged(const PinholeCamera<float>& camera, const Parameters& parameters,
-                      ConvergedSeed& converged);
+                      const Known& known, ConvergedSeed& converged);
+  bool take_converged(const PinholeCamera<float>& camera, const Parameters& parameters,
+                      ConvergedSeed& converged) {
+    const auto always = [](LandmarkId) { return true; };
+    return take_converged(camera, parameters, always, converged);
+  }
 
   bool has_keyframe(LandmarkId id) const { return odometry_.find_keyframe(id) >= 0; }
 
@@ -131,14 +139,17 @@ Status SeedPool<MaxSeeds, MaxKeyframes>::add(const ImageView& image,
 }
 
 template <int MaxSeeds, int MaxKeyframes>
+template <class Known>
 bool SeedPool<MaxSeeds, MaxKeyframes>::take_converged(const PinholeCamera<float>& camera,
                                                       const Parameters& parameters,
+                                                      const Known& known,
                                                       ConvergedSeed& converged) {
   for (int i = seeds_.size() - 1; i >= 0; --i) {
     const Seed& seed = seeds_[i];
     if (seed.misses > 0 || seed.seen < parameters.min_views || !(seed.rho > 0.0F)) continue;
     const float sigma = sqrt(odometry_.variance(i));
     if (sigma > parameters.max_relative_sigma * seed.rho) continue;
+    if (!known(odometry_.keyframe_id(seed.keyframe))) continue;
     const float depth = 1.0F / seed.rho;
     const bool usable = depth > parameters.min_depth_m && depth < parameters.max_depth_m;
     if (usable) fill(camera, parameters, i, converged);

@@ -235,7 +235,8 @@ void VehicleLocalMap<Config, Filter>::add_landmarks(Frame& frame, Estimate& esti
       frame.work.cut_mapping();
       return;
     }
-    if (!seeds_.take_converged(frame.camera, seeds, seed)) return;
+    const auto known = [&](LandmarkId keyframe) { return way_is_known(estimate, keyframe); };
+    if (!seeds_.take_converged(frame.camera, seeds, known, seed)) return;
     frame.work.spend(work::kLandmarkInitialisation);
     if (!add_landmark(frame, estimate, seed)) ++frame.health.landmarks_refused;
   }
