@@ -71,6 +71,9 @@ void add_options(CLI::App& command, RunOptions& options) {
   command.add_option("--overlay", options.overlay, "How virtual objects are drawn into the video")
       ->check(CLI::IsMember({"wireframe", "shaded"}));
   command.add_flag("!--no-video", options.video, "Do not write the overlay video");
+  command.add_flag("--scene-points", options.scene_points,
+                   "Registration error of a video source with --truth: by points of the scene, "
+                   "triangulated with it");
   command.add_flag("--view", options.view, "Show the run in a window; keys: space, s, q");
   command
       .add_option("--readout", options.hand_readout_ms,

@@ -108,9 +108,9 @@ ExitCode run_kind(const RunKind& kind, const RunOptions& options) {
 const std::vector<RunKind>& run_kinds() {
   static const Names hall = joined(picture_options(), {"--odometry-noise", "--uneven-floor"});
   static const Names stress(picture_options().begin() + 1, picture_options().end());
-  static const Names video =
-      joined(picture_options(), {"--camera", "--hfov", "--odometry", "--times", "--truth",
-                                 "--odometry-noise-speed", "--odometry-noise-yaw-rate"});
+  static const Names video = joined(
+      picture_options(), {"--camera", "--hfov", "--odometry", "--times", "--truth",
+                          "--scene-points", "--odometry-noise-speed", "--odometry-noise-yaw-rate"});
   static const Names camera =
       joined(without(picture_options(), {"--first-frame", "--playback"}), {"--camera", "--hfov"});
   static const Names landmarks = {"--budget-ms", "--start-heading-variance",

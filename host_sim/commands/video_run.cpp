@@ -434,6 +434,7 @@ ExitCode run_video(const RunOptions& options, const std::string& media) {
   video.odometry = options.odometry;
   video.times = options.times;
   video.truth = options.truth;
+  video.scene_points = options.scene_points;
   video.range = range_of(options);
   video.colour = draws(options);
   video.speed_sigma_mps = options.speed_sigma_mps;

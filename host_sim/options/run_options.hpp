@@ -67,6 +67,7 @@ struct RunOptions {
   std::optional<double> gyro_time_sigma;  ///< s
   std::filesystem::path times;
   std::filesystem::path truth;
+  bool scene_points = false;       ///< of a video with truth: triangulated
   std::optional<double> scale;     ///< of the pictures; empty: as far as the tracker needs
   std::string crop;                ///< WIDTHxHEIGHT[+LEFT+TOP] of the pictures; empty: all
   std::optional<double> hfov_deg;  ///< guess in place of a camera file

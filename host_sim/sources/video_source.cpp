@@ -12,6 +12,7 @@
 #include "host_sim/sources/frame_times.hpp"
 #include "host_sim/sources/media.hpp"
 #include "host_sim/sources/odometry_file.hpp"
+#include "host_sim/sources/scene_tracks.hpp"
 #include "host_sim/sources/time_span.hpp"
 
 namespace cairn::host {
@@ -78,6 +79,19 @@ class VideoSource final : public FrameSource {
 
   const SourceInfo& info() const override { return info_; }
   std::optional<TimeSpan> span() const override { return span_; }
+
+  void take_scene_points(ScenePoints points) {
+    scene_points_ = std::move(points);
+    info_.note +=
+        fmt::format("; {} scene points triangulated with the true poses", scene_points_.count);
+    if (scene_points_.count == 0) {
+      info_.warnings.push_back(fmt::format(
+          "--scene-points: no point of the scene could be triangulated with {}: too little "
+          "texture, "
+          "motion or frames with a true pose, or poses or camera do not fit the pictures",
+          options_.truth.string()));
+    }
+  }
 
   bool next(Frame& frame) override {
     MediaFrame place;
@@ -178,6 +192,8 @@ class VideoSource final : public FrameSource {
     frame.number = place.number;
     frame.t_us = place.t_us;
     frame.scene_points.clear();
+    const auto index = static_cast<std::size_t>(given_);
+    if (index < scene_points_.frames.size()) frame.scene_points = scene_points_.frames[index];
     frame.odometry.clear();
     take_samples(odometry_.samples, given_ == 0, next_sample_, frame);
     frame.true_T_world_camera.reset();
@@ -201,6 +217,7 @@ class VideoSource final : public FrameSource {
   std::optional<FrameTimes> times_;
   OdometryFile odometry_;
   std::vector<TimedPose> truth_;
+  ScenePoints scene_points_;
   SourceInfo info_;
   std::optional<TimeSpan> span_;
   std::size_t next_sample_ = 0;
@@ -209,6 +226,14 @@ class VideoSource final : public FrameSource {
   int frames_with_truth_ = 0;
   bool ended_ = false;
 };
+
+ScenePoints follow_scene(VideoOptions options) {
+  options.colour = false;
+  VideoSource source(options);
+  SceneTracker tracker(source.info().camera, scene_tracks_of_a_drive());
+  for (Frame frame; source.next(frame);) tracker.add(frame.grey, frame.true_T_world_camera);
+  return tracker.finish();
+}
 
 }  // namespace
 
@@ -233,7 +258,12 @@ std::unique_ptr<FrameSource> make_video_source(const VideoOptions& options) {
         "guess by --hfov DEG, the horizontal field of view",
         options.live ? "camera" : "video"));
   }
-  return std::make_unique<VideoSource>(options);
+  if (options.scene_points && (options.live || options.truth.empty())) {
+    throw UsageError("--scene-points: expected true camera poses by --truth, of a recording");
+  }
+  auto source = std::make_unique<VideoSource>(options);
+  if (options.scene_points) source->take_scene_points(follow_scene(options));
+  return source;
 }
 
 }  // namespace cairn::host

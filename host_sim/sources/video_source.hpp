@@ -19,6 +19,9 @@ struct VideoOptions {
   std::filesystem::path odometry;  ///< CSV, optional: turns the source into a vehicle's
   std::filesystem::path times;     ///< CSV, optional
   std::filesystem::path truth;     ///< TUM, optional: camera poses
+  /// Points of the scene, triangulated with `truth`, as the yardstick of the registration error.
+  /// All pictures are read once before the first frame.
+  bool scene_points = false;
   FrameRange range;
   bool colour = false;                         ///< frames have their colours, where the media does
   std::optional<double> speed_sigma_mps;       ///< of an odometry sample; absent: as for any wheels
@@ -35,9 +38,10 @@ PinholeCamera<double> guessed_camera(const cv::Size& size, double hfov_deg);
 /// container, else 30 Hz. docs/reference/command-line.md describes the files and what is checked.
 ///
 /// Throws InputError naming the file for an input that is invalid, that does not fit the camera, or
-/// that is not of the frames' time; UsageError without a camera or with two, and for a noise of
-/// what the odometry does not have. Recordings that cover a part of the frames, and a video that
-/// ends early, are told by info().warnings and info().damaged.
+/// that is not of the frames' time; UsageError without a camera or with two, for a noise of what
+/// the odometry does not have, and for scene points of a live camera or without true poses.
+/// Recordings that cover a part of the frames, and a video that ends early, are told by
+/// info().warnings and info().damaged.
 std::unique_ptr<FrameSource> make_video_source(const VideoOptions& options);
 
 }  // namespace cairn::host

@@ -1,11 +1,15 @@
 #include "host_sim/sources/video_source.hpp"
 
+#include <map>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "host_sim/sources/scaled_source.hpp"
 #include "input_messages.hpp"
+#include "plane_scene.hpp"
 #include "temporary_folder.hpp"
 #include "video_options.hpp"
 
@@ -98,6 +102,69 @@ TEST(VideoSource, AFolderOfColourPicturesHasColourWhereItIsWanted) {
     ASSERT_EQ(frame.colour.size(), frame.grey.size());
     EXPECT_EQ(frame.colour.at<cv::Vec3b>(100, 100), cv::Vec3b(20, 60, static_cast<uchar>(red)));
   }
+}
+
+/// GIVEN pictures of a wall 3 m ahead, from a camera that moves sideways.
+class SceneOfAVideo : public ::testing::Test {
+ protected:
+  static constexpr double kDepth = 3.0;
+  static constexpr int kFrames = 10;
+
+  SceneOfAVideo() {
+    const PinholeCamera<double> camera = test::small_camera();
+    std::filesystem::create_directories(folder_.path() / "pictures");
+    std::string truth;
+    for (int k = 0; k < kFrames; ++k) {
+      const Rigid<double> T{Quaternion<double>::Identity(), {0.05 * k, 0.0, 0.0}};
+      auto pixels = test::PlaneScene(kDepth).render(camera, T);
+      const cv::Mat picture(camera.height, camera.width, CV_8UC1, pixels.data());
+      cv::imwrite((folder_.path() / "pictures" / fmt::format("{}.png", k)).string(), picture);
+      truth += fmt::format("{} {} 0 0 0 0 0 1\n", 0.1 * k, T.translation.x());
+    }
+    std::string times = "frame,t_s\n";
+    for (int k = 0; k < kFrames; ++k) times += fmt::format("{},{}\n", k, 0.1 * k);
+    options_.media = folder_.path() / "pictures";
+    options_.camera = folder_.write(
+        "camera.yaml",
+        fmt::format("fx: {}\nfy: {}\ncx: {}\ncy: {}\nwidth: {}\nheight: {}\n", camera.fx, camera.fy,
+                    camera.cx, camera.cy, camera.width, camera.height));
+    options_.times = folder_.write("times.csv", times);
+    options_.truth = folder_.write("truth.tum", truth);
+    options_.scene_points = true;
+  }
+
+  TemporaryFolder folder_;
+  VideoOptions options_;
+};
+
+TEST_F(SceneOfAVideo, HasPointsWhereTheyAre) {
+  const auto source = make_video_source(options_);
+  EXPECT_TRUE(says(source->info().note, {"scene points", "true poses"}));
+  std::map<std::uint32_t, int> views;
+  Frame frame;
+  for (int k = 0; k < kFrames; ++k) {
+    ASSERT_TRUE(source->next(frame));
+    EXPECT_GE(frame.scene_points.size(), 10U) << "frame " << k;
+    for (const ScenePointView& point : frame.scene_points) {
+      ++views[point.id];
+      EXPECT_NEAR(point.p_camera.z(), kDepth, 0.1);
+      Vector2<double> pixel;
+      ASSERT_TRUE(ok(source->info().camera.project(point.p_camera, pixel)));
+      EXPECT_LT((pixel - point.pixel).norm(), 0.5);
+    }
+  }
+  EXPECT_GE(views.size(), 20U);
+  for (const auto& [id, count] : views) EXPECT_GE(count, 5) << id;
+}
+
+TEST_F(SceneOfAVideo, HasNoneWhereTheTruthIsMissing) {
+  options_.truth = folder_.write("truth.tum", "0 0 0 0 0 0 0 1\n0.1 0.05 0 0 0 0 0 1\n");
+  const auto source = make_video_source(options_);
+  EXPECT_TRUE(says(source->info().warnings.back(), {"--scene-points", "no point", "truth.tum"}));
+  Frame frame;
+  while (source->next(frame)) EXPECT_TRUE(frame.scene_points.empty());
+  options_.truth.clear();
+  EXPECT_THROW(make_video_source(options_), UsageError);
 }
 
 TEST(VideoSource, PicturesOfAnotherSizeOrDepthAreRefusedBeforeTheRun) {
