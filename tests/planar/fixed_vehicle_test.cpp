@@ -292,6 +292,19 @@ TEST_P(FixedVehicle, ADriftOfTheWorldEqualsDouble) {
   pair.expect_equal();
 }
 
+TEST_P(FixedVehicle, ASlideAcrossTheHeadingEqualsDouble) {
+  Pair pair(GetParam());
+  map_on_the_way(pair);
+  for (int k = 0; k < 5; ++k) {
+    pair.both([](auto& filter, auto zero) {
+      using T = decltype(zero);
+      return filter.slide(T(0.015625));
+    });
+    pair.drive(3);
+  }
+  pair.expect_equal();
+}
+
 INSTANTIATE_TEST_SUITE_P(LevelAndTilting, FixedVehicle, ::testing::Bool());
 
 TEST(FixedVehicle, RefusesALensThatHasNoFixedForm) {
@@ -317,6 +330,7 @@ TEST(FixedVehicle, RefusesWhatIsNotFinite) {
   increment.distance_m = nan;
   EXPECT_EQ(pair.fixed->predict(increment), Status::kInvalidArgument);
   EXPECT_EQ(pair.fixed->widen_pose(nan, 0.0F), Status::kInvalidArgument);
+  EXPECT_EQ(pair.fixed->slide(-1.0F), Status::kInvalidArgument);
   EXPECT_EQ(pair.fixed->drift_world(0.0F, -1.0F), Status::kInvalidArgument);
   EXPECT_EQ(pair.fixed->add_landmark_on_path(9, {nan, 0, 0}, Matrix3<float>::Identity(), 50,
                                              Matrix<float, 3, 2>::Zero()),

@@ -114,6 +114,17 @@ void FixedMotionNoise::widen(FixedVariance position, FixedVariance heading, Coun
   accumulate(own_.yy, position, saturations);
 }
 
+void FixedMotionNoise::slide(FixedVariance variance, FixedAngle heading, Count& saturations) {
+  FixedRatio sine;
+  FixedRatio cosine;
+  sin_cos(heading, sine, cosine);
+  const FixedVariance by_x = -times(variance, sine, saturations);
+  const FixedVariance by_y = times(variance, cosine, saturations);
+  accumulate(own_.xx, -times(by_x, sine, saturations), saturations);
+  accumulate(own_.xy, times(by_x, cosine, saturations), saturations);
+  accumulate(own_.yy, times(by_y, cosine, saturations), saturations);
+}
+
 FixedPoseCovariance FixedMotionNoise::about(FixedLength x, FixedLength y,
                                             Count& saturations) const {
   // own - J p (heading): the same turn as that of a step by -p.

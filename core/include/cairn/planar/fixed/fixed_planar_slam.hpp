@@ -144,6 +144,7 @@ class FixedPlanarSlam {
   Status drift_world(FixedVariance position, FixedVariance heading);
   /// Adds noise to the pose. Errors: kNotInitialised, kInvalidArgument (negative).
   Status widen_pose(FixedVariance position, FixedVariance heading);
+  Status slide(FixedVariance variance);
   /// As PlanarSlam::place() and put_back().
   struct Placement {
     FixedPose pose;

@@ -113,6 +113,16 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::widen_pose(FixedVarian
   return Status::kOk;
 }
 
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::slide(FixedVariance variance) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (variance.raw() < 0) return Status::kInvalidArgument;
+  if (variance.raw() == 0) return Status::kOk;
+  end_rest();
+  motion_.slide(variance, heading_, saturations_);
+  return Status::kOk;
+}
+
 /// The world's error: that of the position turns with the heading's over the way since the last
 /// time.
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>

@@ -51,6 +51,10 @@ class FixedVehicleSlam {
     return with_variances(position_variance, heading_variance,
                           [&](FixedVariance p, FixedVariance h) { return core_.widen_pose(p, h); });
   }
+  Status slide(float variance) {
+    return with_variances(variance, 0.0F,
+                          [&](FixedVariance v, FixedVariance) { return core_.slide(v); });
+  }
   Status drift_world(float position_variance, float heading_variance) {
     return with_variances(
         position_variance, heading_variance,
