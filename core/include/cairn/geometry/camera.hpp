@@ -44,8 +44,8 @@ struct PinholeCamera {
   static constexpr T kWidestFisheyeRay = T(5.67);
 
   /// kBadConfig unless every value is finite, the focal lengths are 1e-3 to 1e4 image sides, the
-  /// centre is inside the image, and every pixel has one ray: a distortion that turns back on itself
-  /// inside the image is no description of a lens, and a fisheye picture that reaches beyond
+  /// centre is inside the image, and every pixel has one ray: a distortion that turns back on
+  /// itself inside the image is no description of a lens, and a fisheye picture that reaches beyond
   /// kWidestFisheyeRay is to be cropped. Cost: eight undistortions.
   Status validate() const;
 
