@@ -115,6 +115,30 @@ TEST(EpipolarMotion, AWrongBeliefCostsMore) {
   }
 }
 
+TEST(EpipolarMotion, NoSingleMismatchCountsMoreThanAnother) {
+  const Rigid<double> truth = motion_of<double>({0.02, -0.04, 0.0}, {0.2, 0.05, -0.1});
+  const EpipolarOptions<double> options;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    TwoViews<double> views(seed, truth);
+    Rigid<double> right = truth;
+    const double cost = improve_epipolar_motion(views.pairs, kPoints, options, right);
+    double before = 0.0;
+    for (const double off : {0.1, 0.4}) {
+      // Across its epipolar line, by some 60 and 250 sigmas.
+      views.pairs[5].second.y() += off;
+      right = truth;
+      EpipolarOptions<double> still = options;
+      still.believed_iterations = 0;
+      const double with = improve_epipolar_motion(views.pairs, kPoints, still, right);
+      EXPECT_LT(with, cost + options.mismatch_cost + 3.0) << seed;
+      if (before > 0.0) {
+        EXPECT_NEAR(with, before, 1e-9) << seed;
+      }
+      before = with;
+    }
+  }
+}
+
 TEST(EpipolarMotion, DepthsFollow) {
   const Rigid<double> truth = motion_of<double>({0.01, 0.05, 0.0}, {0.25, 0.05, 0.1});
   const TwoViews<double> views(3, truth);

@@ -4,7 +4,6 @@
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
 #include "cairn/numeric/solve_positive_definite.hpp"
-#include "cairn/window/detail/window_cost.hpp"
 
 namespace cairn {
 namespace {
@@ -49,6 +48,7 @@ template <class T>
 class Linearised {
  public:
   T cost = T(0);
+  T bounded = T(0);  ///< the same, with no pair above the mismatch's cost
 
   Linearised() = default;
   Linearised(const DirectionPair<T>* pairs, int count, const EpipolarOptions<T>& options,
@@ -58,7 +58,7 @@ class Linearised {
     const Matrix3<T> rotation = motion.rotation.toRotationMatrix();
     const T per_sigma = T(1) / options.sigma;
     for (int i = 0; i < count; ++i) {
-      add(pairs[i], rotation, motion.translation, per_sigma, options.huber_sigma);
+      add(pairs[i], rotation, motion.translation, per_sigma, options);
     }
   }
 
@@ -84,7 +84,8 @@ class Linearised {
   static constexpr int kStates = 5;
 
   void add(const DirectionPair<T>& pair, const Matrix3<T>& rotation, const Vector3<T>& t,
-           T per_sigma, T huber) {
+           T per_sigma, const EpipolarOptions<T>& options) {
+    const T huber = options.huber_sigma;
     constexpr T kLeastSlope = T(1e-12);
     const Vector3<T> q = rotation * ray(pair.first);
     const Vector3<T> b = ray(pair.second);
@@ -96,7 +97,9 @@ class Linearised {
     const T scale = per_sigma / sqrt(slope);
     const T residual = scale * b.dot(line);
     const T distance = abs(residual);
-    cost += detail::window_cost(distance, huber);
+    const T own = detail::window_cost(distance, huber);
+    cost += own;
+    bounded += own < options.mismatch_cost ? own : options.mismatch_cost;
     const T weight = distance < huber ? T(1) : huber / distance;
     const Vector3<T> turned = q.cross(across);
     const Vector3<T> moved = q.cross(b);
@@ -122,7 +125,7 @@ class Search {
   Search(const DirectionPair<T>* pairs, int count, const EpipolarOptions<T>& options)
       : pairs_(pairs), count_(count), options_(options) {}
 
-  /// At most so many steps of Levenberg and Marquardt; returns the cost.
+  /// At most so many steps of Levenberg and Marquardt; returns the cost of bounded pairs.
   T improve(Rigid<T>& motion, int iterations) const {
     constexpr T kSmall = T(1e-3);  // of the cost
     T damping = T(1e-3);
@@ -144,7 +147,7 @@ class Search {
       damping *= T(0.2);
       if (done) break;
     }
-    return at.cost;
+    return at.bounded;
   }
 
   /// The turn that explains the picture best without translation; what it leaves, in the mean.

@@ -2,6 +2,7 @@
 
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/geometry/types.hpp"
+#include "cairn/window/detail/window_cost.hpp"
 
 namespace cairn {
 
@@ -16,10 +17,11 @@ template <class T>
 struct EpipolarOptions {
   T sigma = T(0.0015);  ///< of a direction, each axis
   T huber_sigma = T(1.5);
-  int first_iterations = 2;     ///< from each start, over few of the pairs
-  int rough_iterations = 3;     ///< of the best of these, over the same
-  int fine_iterations = 8;      ///< of the best of those, over all
-  int believed_iterations = 2;  ///< of improve_epipolar_motion()
+  T mismatch_cost = detail::kMismatchAcross<T>;  ///< of a pair, where motions are compared
+  int first_iterations = 2;                      ///< from each start, over few of the pairs
+  int rough_iterations = 3;                      ///< of the best of these, over the same
+  int fine_iterations = 8;                       ///< of the best of those, over all
+  int believed_iterations = 2;                   ///< of improve_epipolar_motion()
 };
 
 /// Motion between two cameras from their pictures alone: points of the first camera's frame to the
@@ -28,8 +30,10 @@ struct EpipolarOptions {
 /// minima. It begins from 13 directions of translation that cover the half sphere, each with the
 /// turn that explains the picture best without translation, more and less by what a translation to
 /// either side takes of it, over at most 24 of the pairs; the best six are improved further, and
-/// the best two of these over all pairs. Of the two signs of the translation the one with more
-/// points in front of the first camera is taken. `cost` is the minimum's.
+/// the best two of these over all pairs. The best are those of the least cost in which no pair
+/// counts more than `mismatch_cost`: else a single mismatch would choose. Of the two signs of the
+/// translation the one with more points in front of the first camera is taken. `cost` is its cost,
+/// of pairs so bounded.
 ///
 /// False, outputs unchanged, with fewer than 8 pairs or where they determine no motion. Cost, in
 /// passes over a pair of some 80 multiply-adds and a square root: 24 * (25 (first + 1) + 6 (rough +
@@ -39,7 +43,7 @@ bool estimate_epipolar_motion(const DirectionPair<T>* pairs, int count,
                               const EpipolarOptions<T>& options, Rigid<T>& motion, T& cost);
 
 /// Improves a believed motion by a few steps, which lead to the next minimum; the translation's
-/// length becomes 1. Returns the cost there.
+/// length becomes 1. Returns the cost there, of bounded pairs.
 template <class T>
 T improve_epipolar_motion(const DirectionPair<T>* pairs, int count,
                           const EpipolarOptions<T>& options, Rigid<T>& motion);

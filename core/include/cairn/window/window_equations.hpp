@@ -36,8 +36,8 @@ class WindowEquations {
 
   /// Equations at a solution; returns its cost.
   T build(const Problem& problem, const Solution& solution);
-  /// Cost over the landmarks that the last build() used.
-  T cost_of(const Problem& problem, const Solution& solution) const;
+  /// Cost over the landmarks that the last build() used; an observation counts for `most` at most.
+  T cost_of(const Problem& problem, const Solution& solution, T most = T(1e30)) const;
   /// Step of the states, of Levenberg and Marquardt. False where the equations are singular.
   bool solve(T damping, T* step) {
     solved_ = solve_with_landmarks(system_, gradient_, landmarks_, Graph::kLandmarks, damping,

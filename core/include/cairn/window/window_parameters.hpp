@@ -16,7 +16,7 @@ struct WindowParameters {
   T sigma_factor = T(1.5);         ///< of an inverse depth, over what its own observations give
   int iterations = 6;              ///< after a keyframe
   int start_keyframes = 8;         ///< with parallax, up to which the start is checked,
-  T start_gain = T(0.7);           ///< and corrected where another motion costs less than this
+  T start_gain = T(0.85);          ///< and corrected where another motion costs less than this
   T start_margin = T(3);           ///< share of the window's, less this
   T focal_sigma = T(0.1);          ///< of the focal length, relative; 0: it is not estimated
   T focal_factor = T(8);           ///< of its sigma, over what a window's pixels alone give

@@ -142,7 +142,9 @@ T WindowEquations<T, Bounds>::build(const Problem& problem, const Solution& solu
 }
 
 template <class T, class Bounds>
-T WindowEquations<T, Bounds>::cost_of(const Problem& problem, const Solution& solution) const {
+T WindowEquations<T, Bounds>::cost_of(const Problem& problem, const Solution& solution,
+                                      T most) const {
+  const auto bounded = [most](T own) { return own < most ? own : most; };
   const Graph& graph = problem.graph;
   const T narrower = T(1) / solution.focal;
   const T per_sigma = solution.focal / problem.sigma;
@@ -164,11 +166,12 @@ T WindowEquations<T, Bounds>::cost_of(const Problem& problem, const Solution& so
         if (graph.pose_of(place) == host || !landmark.seen_at(place)) continue;
         InverseDepthView<T> view;
         if (!view.project(steps[place], narrower * landmark.ray, solution.rho[slot])) {
-          cost += detail::kHiddenCost<T>;
+          cost += bounded(detail::kHiddenCost<T>);
           continue;
         }
         const Vector2<T> residual = narrower * graph.observed(place, slot) - view.seen;
-        cost += detail::window_cost(sqrt(residual.squaredNorm()) * per_sigma, problem.huber_sigma);
+        cost += bounded(
+            detail::window_cost(sqrt(residual.squaredNorm()) * per_sigma, problem.huber_sigma));
       }
     }
   }

@@ -79,8 +79,9 @@ void KeyframeWindow<T, Bounds>::improve() {
   if (lowered && before - cost < kSmall * before) left_ = 0;
   if (left_ > 0) return;
   if (!start_.compared() &&
-      start_.settle(equations_.cost_of(problem(), solution_),
-                    equations_.cost_of(problem(), start_.before()), solution_)) {
+      start_.settle(equations_.cost_of(problem(), solution_, detail::kMismatch<T>),
+                    equations_.cost_of(problem(), start_.before(), detail::kMismatch<T>),
+                    solution_)) {
     left_ = 1;
     return;
   }
