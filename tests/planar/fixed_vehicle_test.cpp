@@ -263,6 +263,8 @@ TEST(FixedVehicle, NoiseThatWaitsIsBoundedWhereThePlaceWasRecognised) {
   EXPECT_GT(pair.fixed->own_pose_covariance()(0, 0), 2.0F);
   static_cast<void>(pair.fixed->place(pair.fixed->mean_pose(), 0.25F, 0.01F));
   EXPECT_LT(pair.fixed->own_pose_covariance()(0, 0), 0.5F);
+  static_cast<void>(pair.fixed->place(pair.fixed->mean_pose(), -1.0F, -1.0F));
+  EXPECT_GE(pair.fixed->own_pose_covariance()(2, 2), 0.0F);
 }
 
 TEST_P(FixedVehicle, MovingTheCentreOfTheErrorKeepsTheEstimate) {

@@ -201,9 +201,12 @@ FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::place(const FixedPose& pose,
   const FixedCovariance2& own = motion_.position();
   const FixedVariance larger = own.xx < own.yy ? own.yy : own.xx;
   const FixedVariance turn = motion_.heading();
+  const auto bounded = [](FixedVariance variance, FixedVariance most) {
+    const FixedVariance least = variance < most ? variance : most;
+    return least.raw() < 0 ? FixedVariance() : least;
+  };
   motion_.clear();
-  motion_.widen(larger < position ? larger : position, turn < heading ? turn : heading,
-                saturations_);
+  motion_.widen(bounded(larger, position), bounded(turn, heading), saturations_);
   return before;
 }
 
