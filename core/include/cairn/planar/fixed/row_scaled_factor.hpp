@@ -72,10 +72,12 @@ class RowScaledFactor {
     std::int64_t largest = 0;
     for (int j = 0; j <= row; ++j) largest |= static_cast<std::int64_t>(wide::magnitude(value(j)));
     const int length = wide::bit_length(static_cast<std::uint64_t>(largest)) + spare - fraction;
+    // Deviations beyond the largest are shrunk to it: the elements fit all the same.
+    const int fits = fitting_bits(2 * length);
     bits_[row] = static_cast<std::int8_t>(bits_for(2 * length, saturations));
     for (int j = 0; j <= row; ++j) {
       data_[index(row, j)] =
-          wide::narrow(wide::scale(value(j), bits_[row] - fraction, saturations), saturations);
+          wide::narrow(wide::scale(value(j), fits - fraction, saturations), saturations);
     }
   }
 
@@ -231,8 +233,12 @@ class RowScaledFactor {
   }
 
   /// Scale at which a squared length below 2^squared is below 2^60.
+  static int fitting_bits(int squared) {
+    return squared <= 60 - 2 * kMostBits ? kMostBits : (60 - squared) >> 1;
+  }
+  /// The same, at least the least one.
   static int bits_for(int squared, std::uint32_t& saturations) {
-    const int bits = squared <= 60 - 2 * kMostBits ? kMostBits : (60 - squared) >> 1;
+    const int bits = fitting_bits(squared);
     if (bits >= kLeastBits) return bits;
     ++saturations;
     return kLeastBits;
