@@ -61,8 +61,9 @@ void expect_same_drawing(float k1, float least_m, float most_m) {
   int drawn = 0;
   for (int k = 0; k < 60; ++k) {
     Rigid<float> T_world_object;
-    T_world_object.rotation =
-        rotation_exp(Vector3<float>(0.1F * unit(engine), 0, 3.0F * unit(engine)));
+    const float leaning = 0.1F * unit(engine);
+    const float turned = 3.0F * unit(engine);
+    T_world_object.rotation = rotation_exp(Vector3<float>(leaning, 0, turned));
     T_world_object.translation = {100.0F * unit(engine), 100.0F * unit(engine), 0.0F};
     const float away = least_m + (most_m - least_m) * 0.5F * (1.0F + unit(engine));
     const float bearing = 3.0F * unit(engine);

@@ -142,7 +142,6 @@ class FixedPlanarSlam {
   Status remove_landmark(int slot);
   /// As PlanarSlam's. Errors: kNotInitialised, kInvalidArgument (negative).
   Status drift_world(FixedVariance position, FixedVariance heading);
-  /// Adds noise to the pose. Errors: kNotInitialised, kInvalidArgument (negative).
   Status widen_pose(FixedVariance position, FixedVariance heading);
   Status slide(FixedVariance variance);
   /// As PlanarSlam::place() and put_back().
