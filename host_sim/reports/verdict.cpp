@@ -16,7 +16,7 @@ using nlohmann::json;
 constexpr double kEnoughTracked = 0.95;
 constexpr double kSomeTracked = 0.5;
 constexpr double kMostOverBudget = 0.01;
-constexpr double kLongestStart_s = 1.0;  // a start of any length is none of the tracking's
+constexpr double kLongestStart_s = 1.0;  // up to which a start is said and not judged
 constexpr double kMostExtrapolated = 0.05;
 constexpr double kMostUncertain = 0.5;
 constexpr double kNeesTooLarge = 2.0;  // over its degrees of freedom

@@ -334,6 +334,22 @@ TEST(FixedVehicle, RefusesWhatIsNotFinite) {
   EXPECT_EQ(pair.fixed->widen_pose(nan, 0.0F), Status::kInvalidArgument);
   EXPECT_EQ(pair.fixed->slide(-1.0F), Status::kInvalidArgument);
   EXPECT_EQ(pair.fixed->drift_world(0.0F, -1.0F), Status::kInvalidArgument);
+  Rigid<float> mount = pair.mount;
+  mount.translation.x() = nan;
+  PixelPrediction<float> prediction;
+  EXPECT_EQ(pair.fixed->predict_pixel(0, pair.camera, mount, 0.5F, prediction),
+            Status::kNonFiniteInput);
+  PixelMatch<float> match;
+  match.id = 50;
+  Random random(1);
+  UpdateReport report;
+  EXPECT_EQ(pair.fixed->update_pixels(pair.camera, pair.mount, nan, &match, 1, random, report),
+            Status::kNonFiniteInput);
+  OnePointRansacParameters ransac = pair.fixed->parameters().ransac;
+  const int hypotheses = ransac.max_hypotheses;
+  ransac.max_hypotheses = -1;
+  pair.fixed->set_ransac(ransac);
+  EXPECT_EQ(pair.fixed->parameters().ransac.max_hypotheses, hypotheses);
   EXPECT_EQ(pair.fixed->add_landmark_on_path(9, {nan, 0, 0}, Matrix3<float>::Identity(), 50,
                                              Matrix<float, 3, 2>::Zero()),
             Status::kInvalidArgument);

@@ -73,6 +73,8 @@ TYPED_TEST(PlanarLimits, APoseOfWhichNothingIsKnownStaysFinite) {
     this->expect_sound();
     ASSERT_TRUE(ok(this->filter().widen_pose(variance, variance)));
     this->expect_sound();
+    ASSERT_TRUE(ok(this->filter().slide(variance)));
+    this->expect_sound();
     this->see(T(0.1));
     this->expect_sound();
   }
@@ -129,6 +131,7 @@ TYPED_TEST(PlanarLimits, RecoversFromAPoseOfWhichNothingIsKnown) {
       twist_increment(T(0.1), T(0), T(0.1), T(0.1), T(0.1), IncrementModel::kEuler))));
   for (int k = 0; k < 20; ++k) this->see(T(-0.01));
   this->expect_sound();
+  EXPECT_LT(this->filter().pose_covariance().diagonal().maxCoeff(), T(1));
 }
 
 TEST(Variances, BeyondTheMostAreUnsoundAndBecomeTheMost) {

@@ -30,8 +30,8 @@ TEST(OdometryNoiseParameters, MayHaveNoSlide) {
   OdometryNoise noise;
   noise.turn_centre_m = 0.0F;
   EXPECT_TRUE(ok(noise.validate()));
-  for (const float value :
-       {-0.1F, std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+  for (const float value : {-0.1F, 11.0F, std::numeric_limits<float>::quiet_NaN(),
+                            std::numeric_limits<float>::infinity()}) {
     noise.turn_centre_m = value;
     EXPECT_EQ(noise.validate(), Status::kBadConfig);
   }

@@ -66,7 +66,6 @@ void draw_piece(Canvas& canvas, const LineQ8& line) {
 /// Into how many straight pieces an edge is cut, as draw_object() does: none is off the bent line
 /// by more than kLensBend.
 int count_pieces(const Canvas& canvas, const Point& a, const Point& b) {
-  if (!canvas.camera.has_distortion()) return 1;
   constexpr auto kBend_q8 = static_cast<std::int64_t>(256 * kLensBend);
   constexpr std::int64_t kFarthest_q8 = 1 << 28;
   std::int64_t x[4];
@@ -109,7 +108,9 @@ void draw_segment(Canvas& canvas, Point a, Point b) {
   }
   LineQ8 line;
   bool seen = see(canvas, a, line.x0, line.y0);
-  const int pieces = count_pieces(canvas, a, b);
+  const bool straight = !canvas.camera.has_distortion();
+  if (straight && seen && see(canvas, b, line.x1, line.y1)) return draw_piece(canvas, line);
+  const int pieces = straight ? kLensPieces : count_pieces(canvas, a, b);
   for (int k = 1; k <= pieces; ++k) {
     const std::uint32_t share =
         static_cast<std::uint32_t>(k) * kWholeEdge / static_cast<std::uint32_t>(pieces);

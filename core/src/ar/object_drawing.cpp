@@ -127,17 +127,16 @@ struct Canvas {
   int left_out;
 };
 
-std::int32_t to_q8(float pixel) {
-  return round_to_int(clamp(pixel, -1e6F, 1e6F) * 256.0F);
-}
-
 /// Draws one straight piece between two pixels.
 void draw_piece(Canvas& canvas, const Vector2<float>& from, const Vector2<float>& to) {
   if (canvas.pixels >= canvas.style.max_pixels) {
     ++canvas.left_out;
     return;
   }
-  const LineQ8 line{to_q8(from.x()), to_q8(from.y()), to_q8(to.x()), to_q8(to.y())};
+  const float ends[] = {from.x(), from.y(), to.x(), to.y()};
+  std::int32_t q8[4];
+  for (int k = 0; k < 4; ++k) q8[k] = round_to_int(clamp(ends[k], -1e6F, 1e6F) * 256.0F);
+  const LineQ8 line{q8[0], q8[1], q8[2], q8[3]};
   const int width = canvas.halo ? canvas.style.halo_width_q8 : canvas.style.line_width_q8;
   const std::uint8_t grey = canvas.halo ? canvas.style.halo_grey : canvas.style.line_grey;
   const int pixels = draw_line(canvas.image, line, width, grey);

@@ -14,7 +14,7 @@ template <class T>
 void limit_covariance(Matrix2<T>& covariance) {
   const T most[2] = {kMostPositionVariance<T>, kMostHeadingVariance<T>};
   for (int i = 0; i < 2; ++i) {
-    if (!(covariance(i, i) > most[i])) continue;
+    if (!(covariance(i, i) > most[i]) || !is_finite(covariance(i, i))) continue;
     covariance(0, 1) *= sqrt(most[i] / covariance(i, i));
     covariance(1, 0) = covariance(0, 1);
     covariance(i, i) = most[i];

@@ -8,6 +8,7 @@ namespace {
 
 constexpr float kMostHeading_rad = 1.8F;  // a heading of which nothing is known
 constexpr float kFarInSigmas = 3.0F;
+constexpr float kMostTurnCentre_m = 10.0F;
 
 float larger(float a, float b) {
   return a > b ? a : b;
@@ -19,7 +20,7 @@ Status OdometryNoise::validate() const {
   const bool good = is_positive(sigma_speed_mps) && is_positive(sigma_turn) &&
                     is_positive(wheelbase_m) && is_positive(sample_period_s) &&
                     is_finite(steady_s) && steady_s >= 0.0F && is_positive(max_acceleration_mps2) &&
-                    is_finite(turn_centre_m) && turn_centre_m >= 0.0F &&
+                    turn_centre_m >= 0.0F && turn_centre_m <= kMostTurnCentre_m &&
                     is_positive(unknown_speed_mps) && is_positive(unknown_yaw_rate_radps);
   return good ? Status::kOk : Status::kBadConfig;
 }
@@ -120,8 +121,8 @@ PlanarIncrement<float> OdometryMotion::increment_of(const OdometrySample& readin
              : twist_increment(reading.speed_mps, reading.turn, dt_s, sigma, sigma_turn, kModel);
 }
 
-/// A turn slides for about a second in one direction: cut into steps, that is a random walk of the
-/// same size.
+/// A turn slides for about a second in one direction: noise that stays correlated for a time tau
+/// adds 2 sigma^2 tau a second to the variance.
 float OdometryMotion::slide_over(float dt_s) const {
   constexpr float kTurn_s = 1.0F;
   if (at_rest()) return 0.0F;

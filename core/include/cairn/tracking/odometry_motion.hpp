@@ -25,7 +25,7 @@ struct OdometryNoise {
   float unknown_yaw_rate_radps = 0.5F;
 
   /// kBadConfig for a value that is not finite or not above 0 (`steady_s` and `turn_centre_m` may
-  /// be 0).
+  /// be 0), and for a `turn_centre_m` beyond 10.
   Status validate() const;
 };
 

@@ -140,7 +140,7 @@ Status PlanarSlam<ErrorModel>::slide(T variance) {
   if (variance < T(0)) return Status::kInvalidArgument;
   if (variance == T(0)) return Status::kOk;
   end_rest();
-  model_.slide(variance);
+  model_.slide(detail::at_most(variance, kMostPositionVariance<T>));
   return Status::kOk;
 }
 

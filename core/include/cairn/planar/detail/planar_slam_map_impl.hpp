@@ -110,6 +110,7 @@ Status PlanarSlam<ErrorModel>::add_landmark_on_path(LandmarkId id, const Landmar
   if (find(past) < 0) return Status::kNotFound;
   const Status status = make_room(id, replaced);
   if (!ok(status)) return status;
+  if (find(past) < 0) return Status::kNotFound;  // it made room
   update_.absorb_deferred_noise(model_);
   model_.append_landmark_on_path(y_vehicle, R, find(past), by_path);
   enter(id);

@@ -27,6 +27,7 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_frame_position(
   if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;
   const Status status = make_room(id, nullptr);
   if (!ok(status)) return status;
+  if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;  // it made room
   prepare_to_append(false);
   place_in_world(p_world);
   detail::FixedStateRow rows[3];
@@ -86,6 +87,7 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_framed_landmark(
   }
   const Status status = make_room(id, replaced);
   if (!ok(status)) return status;
+  if (find(origin) < 0 || find(ahead) < 0) return Status::kNotFound;  // it made room
   prepare_to_append(false);
   place_in_world(p_world);
   const int at_origin = state_of(find(origin));

@@ -103,6 +103,7 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_seen(
   if (by_path != nullptr && find(past) < 0) return Status::kNotFound;
   const Status status = make_room(id, replaced);
   if (!ok(status)) return status;
+  if (by_path != nullptr && find(past) < 0) return Status::kNotFound;  // it made room
   prepare_to_append(true);
   const detail::FixedRotation rotation = vehicle_axes();
   (void)detail::cholesky(detail::turned(noise, rotation, none), own, saturations_);

@@ -69,8 +69,8 @@ class FixedVehicleSlam {
                        UpdateReport& report);
   void set_ransac(const OnePointRansacParameters& ransac) {
     std::uint32_t lost = 0;
-    parameters_.ransac = ransac;
-    static_cast<void>(core_.set_ransac(fixed_of(ransac, lost)));
+    const FixedRansacParameters fixed = fixed_of(ransac, lost);
+    if (lost == 0 && ok(core_.set_ransac(fixed))) parameters_.ransac = ransac;
   }
   Status update_height(LandmarkId id, float height_m, float sigma_m, float gate);
 
@@ -190,8 +190,10 @@ Status FixedVehicleSlam<MaxLandmarks>::predict_pixel(int slot, const PinholeCame
   Status status = fixed_of(camera, fixed);
   if (!ok(status)) return status;
   FixedPixelPrediction expected;
-  status = core_.expect_pixel(slot, fixed, fixed_of(T_vehicle_camera, lost),
-                              fixed_of<FixedPixel>(sigma_px, lost), expected);
+  const FixedMount mount = fixed_of(T_vehicle_camera, lost);
+  const auto sigma = fixed_of<FixedPixel>(sigma_px, lost);
+  if (lost != 0) return Status::kNonFiniteInput;
+  status = core_.expect_pixel(slot, fixed, mount, sigma, expected);
   if (ok(status)) float_of(expected, prediction);
   return status;
 }
@@ -215,10 +217,11 @@ Status FixedVehicleSlam<MaxLandmarks>::update_pixels(const PinholeCamera<float>&
       found[i].pixel[axis] = fixed_of<FixedPixel>(matches[i].pixel(axis), lost);
     }
   }
+  const FixedMount mount = fixed_of(T_vehicle_camera, lost);
+  const auto sigma = fixed_of<FixedPixel>(sigma_px, lost);
   if (lost != 0) return Status::kNonFiniteInput;
   FixedUpdateReport did;
-  status = core_.update_pixels(fixed, fixed_of(T_vehicle_camera, lost),
-                               fixed_of<FixedPixel>(sigma_px, lost), found, count, random, did);
+  status = core_.update_pixels(fixed, mount, sigma, found, count, random, did);
   for (int i = 0; i < count; ++i) matches[i].inlier = found[i].inlier;
   report.matches = did.matches;
   report.hypotheses = did.hypotheses;

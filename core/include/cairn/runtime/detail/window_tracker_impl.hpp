@@ -60,6 +60,7 @@ Status WindowTracker<Config>::process_frame(const ImageView& image, std::int64_t
     timer.end(Stage::kPreprocess);
     if (window_.keyframes() == 0) {
       status = begin_anew(frame) ? Status::kOk : Status::kLowTexture;
+      update_covariance();
       timer.end(Stage::kFeatures);
     } else {
       status = track(frame, step, timer);
