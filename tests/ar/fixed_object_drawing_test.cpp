@@ -59,6 +59,8 @@ void expect_same_drawing(float k1, float least_m, float most_m) {
   std::uniform_real_distribution<float> unit(-1, 1);
   int far_off = 0;
   int drawn = 0;
+  int cut = 0;
+  int cut_otherwise = 0;  // where stones touch, rounding decides
   for (int k = 0; k < 60; ++k) {
     Rigid<float> T_world_object;
     const float leaning = 0.1F * unit(engine);
@@ -75,12 +77,14 @@ void expect_same_drawing(float k1, float least_m, float most_m) {
     const Difference difference =
         compare(*object, small_camera(k1), T_world_object, T_world_camera);
     EXPECT_EQ(difference.report.edges, difference.expected.edges) << k;
-    EXPECT_NEAR(difference.report.cut, difference.expected.cut, 2) << k;
+    cut += difference.expected.cut;
+    cut_otherwise += std::abs(difference.report.cut - difference.expected.cut);
     far_off += difference.far_off;
     drawn += difference.drawn;
   }
   EXPECT_GT(drawn, 10000);
   EXPECT_LT(far_off, drawn / 200);
+  EXPECT_LT(cut_otherwise, cut / 50) << cut;
 }
 
 TEST(FixedObjectDrawing, IsThatOfFloats) {
@@ -89,6 +93,26 @@ TEST(FixedObjectDrawing, IsThatOfFloats) {
 
 TEST(FixedObjectDrawing, IsThatOfFloatsNearTheCamera) {
   expect_same_drawing(0.0F, 0.9F, 1.5F);
+}
+
+/// Edges that begin beside the camera, more than 76 degrees off its axis, and end in the picture.
+TEST(FixedObjectDrawing, ShowsWhatStandsBesideTheCamera) {
+  auto object = std::make_unique<VirtualObject>();
+  ASSERT_EQ(make_cairn(4.0F, *object), Status::kOk);
+  int far_off = 0;
+  int drawn = 0;
+  for (int k = 0; k < 32; ++k) {
+    const float bearing = 0.39F * static_cast<float>(k);
+    const float aside = bearing + 1.2F + 0.05F * static_cast<float>(k % 16);
+    const Vector3<float> eye(2.0F * std::cos(bearing), 2.0F * std::sin(bearing), 0.5F);
+    const Vector3<float> ahead(std::cos(aside), std::sin(aside), 0.0F);
+    const Difference difference =
+        compare(*object, small_camera(0.0F), Rigid<float>(), look_at(eye, eye + ahead));
+    far_off += difference.far_off;
+    drawn += difference.drawn;
+  }
+  EXPECT_GT(drawn, 5000);
+  EXPECT_LT(far_off, drawn / 50) << drawn;
 }
 
 TEST(FixedObjectDrawing, IsThatOfFloatsThroughALens) {

@@ -101,8 +101,7 @@ float from_share(std::uint16_t share) {
   return static_cast<float>(share) / 65535.0F;
 }
 
-void cut(const Interval& interval, Pieces& pieces) {
-  const Piece hidden{to_share(interval.begin), to_share(interval.end)};
+void cut(const Piece& hidden, Pieces& pieces) {
   Pieces kept;
   for (const Piece& piece : pieces) {
     if (hidden.end <= piece.begin || hidden.begin >= piece.end) {
@@ -217,11 +216,13 @@ void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>
     if (q == p || !cast_shadow(object.parts[q], eye, shadow)) continue;
     for (int e = 0; e < part.edges.size(); ++e) {
       const ConvexPart::Edge& edge = part.edges[e];
-      Interval hidden;
+      Interval inside;
       if (edges[e].pieces.empty() ||
-          !inside_shadow(shadow, part.vertices[edge.a], part.vertices[edge.b], hidden)) {
+          !inside_shadow(shadow, part.vertices[edge.a], part.vertices[edge.b], inside)) {
         continue;
       }
+      const Piece hidden{to_share(inside.begin), to_share(inside.end)};
+      if (hidden.end <= hidden.begin) continue;
       edges[e].cut = true;
       cut(hidden, edges[e].pieces);
     }
