@@ -88,7 +88,7 @@ check "whole tables on a full disk" whole_tables full
 check "no parts on a full disk" no_parts full
 touch "$work/a-file"
 expect 4 "cannot be created" run hall-small --max-frames 2 --no-video --out a-file/x
-output=$(cd "$work" && ulimit -f 180 && "$sim" run hall-small --max-frames 150 --out video 2>&1 </dev/null)
+output=$(cd "$work" && ulimit -f 60 && "$sim" run hall-small --max-frames 150 --out video 2>&1 </dev/null)
 code=$?
 check "exit code with no room for the video: $code, $output" [ "$code" -eq 4 ]
 check "no video without room" [ -z "$(find "$work/video" -name 'overlay.*')" ]
