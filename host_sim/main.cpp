@@ -14,7 +14,9 @@
 
 #include "host_sim/commands/command.hpp"
 #include "host_sim/commands/suggestion.hpp"
+#include "host_sim/io/image_file.hpp"
 #include "host_sim/io/input_error.hpp"
+#include "host_sim/io/jpeg_check.hpp"
 #include "host_sim/io/number_text.hpp"
 #include "host_sim/io/output_file.hpp"
 
@@ -46,6 +48,7 @@ ExitCode failed(const std::exception& error, ExitCode code) {
 }
 
 ExitCode run(int argc, char** argv) {
+  cairn::host::set_jpeg_check(cairn::host::find_jpeg_damage);
   CLI::App app{"Cairn on the host: worlds, data sets, experiments and reports", "cairn_sim"};
   app.set_version_flag("--version", std::string("cairn_sim ") + cairn::kVersion);
   app.require_subcommand(1);

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -21,10 +22,17 @@ struct GreyLevels {
   int white = 65535;
 };
 
+/// What is damaged in the data of a JPEG, in words; empty where nothing is.
+using JpegCheck = std::string (*)(std::string_view bytes);
+/// From now on a JPEG in which `check` finds damage is refused: find_jpeg_damage() in cairn_sim.
+/// Without it damage is not noticed, and a program need not be linked with libjpeg. To be called
+/// before pictures are read.
+void set_jpeg_check(JpegCheck check);
+
 /// Reads a picture (PNG, JPEG, PGM, PPM, BMP) as 8-bit grey, as OpenCV's IMREAD_GRAYSCALE does; one
 /// of 16 bits is mapped by `levels`. Bytes behind the picture's end are left alone. Throws
-/// InputError when it cannot be read, is cut short or damaged, has 16 bits and there are no
-/// `levels`, or is not of `size` (an empty size takes any).
+/// InputError when it cannot be read, is cut short or (set_jpeg_check()) damaged, has 16 bits and
+/// there are no `levels`, or is not of `size` (an empty size takes any).
 void read_grey_image(const std::filesystem::path& path, const cv::Size& size, cv::Mat& grey,
                      const std::optional<GreyLevels>& levels = std::nullopt);
 

@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "host_sim/io/image_file.hpp"
+#include "host_sim/io/jpeg_check.hpp"
 #include "host_sim/io/picture_folder.hpp"
 #include "input_messages.hpp"
 #include "temporary_folder.hpp"
@@ -87,6 +88,7 @@ TEST(ImageFile, AThumbnailInsideDoesNotEndAJpeg) {
 
 /// A decoder makes up what is missing.
 TEST(ImageFile, RefusesAJpegWhoseDataIsDamaged) {
+  set_jpeg_check(find_jpeg_damage);
   const TemporaryFolder folder;
   const auto path = write_picture(folder, "whole.jpg");
   const std::string bytes = bytes_of(path);
