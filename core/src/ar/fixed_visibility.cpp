@@ -7,8 +7,6 @@ using Count = std::uint32_t;
 constexpr int kFarthestBits = 29;  // of a coordinate: products of two and their sums fit 64 bits
 constexpr int kShareBits = 16;
 
-using Pieces = FixedVector<EdgePiece, VirtualObject::kMaxParts + 1>;
-
 struct HalfSpace {  // normal . p <= offset, p from the eye
   std::int32_t normal[3];
   std::int64_t offset;
@@ -81,7 +79,7 @@ bool cast_shadow(const ObjectScene& scene, int q, Shadow& shadow) {
 
 /// What is to be seen of an edge, and what one shadow hides of it.
 struct EdgeView {
-  Pieces pieces;  ///< empty: the edge is hidden
+  EdgePieces pieces;  ///< empty: the edge is hidden
   bool cut = false;
   bool inside = false;     ///< may still be inside the shadow
   EdgePiece hidden;        ///< of the shadow
@@ -123,21 +121,7 @@ bool cut_by_plane(const HalfSpace& plane, const ConvexPart& part, const Point* v
   return any;
 }
 
-void cut(const EdgePiece& hidden, Pieces& pieces) {
-  Pieces kept;
-  for (const EdgePiece& piece : pieces) {
-    if (hidden.end <= piece.begin || hidden.begin >= piece.end) {
-      kept.push_back(piece);
-      continue;
-    }
-    if (hidden.begin > piece.begin) kept.push_back({piece.begin, hidden.begin});
-    if (hidden.end < piece.end) kept.push_back({hidden.end, piece.end});
-  }
-  pieces = kept;
-}
-
-/// What is to be seen of the edges of part `p`.
-/// `shadow`: memory.
+/// What is to be seen of the edges of part `p`; `shadow` is scratch.
 void find_visible_edges(const ObjectScene& scene, int p, Shadow& shadow, EdgeView* edges) {
   constexpr int kTouchBits = 11;  // 1/2048 of the length
   const ConvexPart& part = scene.object.parts[p];

@@ -5,19 +5,13 @@
 #include "cairn/geometry/fixed_camera.hpp"
 #include "cairn/numeric/float_bits.hpp"
 
-namespace cairn::detail {
+#include "edge_pieces.hpp"
 
-inline constexpr std::uint32_t kWholeEdge = 65535;
+namespace cairn::detail {
 
 /// m, FixedLength's format.
 struct Point {
   std::int32_t at[3];
-};
-
-/// Part of an edge, in 1/65535 of its length.
-struct EdgePiece {
-  std::uint16_t begin = 0;
-  std::uint16_t end = kWholeEdge;
 };
 
 /// The object as the camera sees it.
@@ -28,14 +22,6 @@ struct ObjectScene {
 
   bool is_front(int part, int face) const { return (front[part] >> face & 1U) != 0U; }
 };
-
-/// What is to be seen of the object's edges, for both passes.
-struct VisiblePiece {
-  std::uint8_t part = 0;
-  std::uint8_t edge = 0;
-  EdgePiece piece;
-};
-using VisiblePieces = FixedVector<VisiblePiece, kMaxVisiblePieces>;
 
 /// False where a vertex is 512 m or more from the eye. `scene` has its object.
 bool make_scene(const Point& eye, ObjectScene& scene);

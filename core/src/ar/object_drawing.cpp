@@ -1,21 +1,20 @@
 #include "cairn/ar/object_drawing.hpp"
 
+#include "edge_pieces.hpp"
+
 namespace cairn {
 namespace {
+
+using detail::EdgePiece;
+using detail::EdgePieces;
+using detail::VisiblePiece;
+using detail::VisiblePieces;
 
 /// Part of an edge, by its parameter in [0, 1].
 struct Interval {
   float begin = 0.0F;
   float end = 1.0F;
 };
-
-/// What is left of an edge after cutting, in 1/65535 of its length: at most one piece more than
-/// there are parts.
-struct Piece {
-  std::uint16_t begin = 0;
-  std::uint16_t end = 65535;
-};
-using Pieces = FixedVector<Piece, VirtualObject::kMaxParts + 1>;
 
 /// normal . p <= offset.
 struct HalfSpace {
@@ -67,8 +66,8 @@ bool cast_shadow(const ConvexPart& part, const Vector3<float>& eye, Shadow& shad
 }
 
 /// What is to be seen of an edge.
-struct EdgePieces {
-  Pieces pieces;  // empty: the edge is hidden
+struct EdgeView {
+  EdgePieces pieces;  // empty: the edge is hidden
   bool cut = false;
 };
 
@@ -99,19 +98,6 @@ std::uint16_t to_share(float t) {
 }
 float from_share(std::uint16_t share) {
   return static_cast<float>(share) / 65535.0F;
-}
-
-void cut(const Piece& hidden, Pieces& pieces) {
-  Pieces kept;
-  for (const Piece& piece : pieces) {
-    if (hidden.end <= piece.begin || hidden.begin >= piece.end) {
-      kept.push_back(piece);
-      continue;
-    }
-    if (hidden.begin > piece.begin) kept.push_back({piece.begin, hidden.begin});
-    if (hidden.end < piece.end) kept.push_back({hidden.end, piece.end});
-  }
-  pieces = kept;
 }
 
 /// Everything that drawing a segment needs.
@@ -202,14 +188,14 @@ void draw_segment(Canvas& canvas, const Vector3<float>& a_object, const Vector3<
 
 /// What is to be seen of the edges of part `p`.
 void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>& eye,
-                        EdgePieces* edges) {
+                        EdgeView* edges) {
   const ConvexPart& part = object.parts[p];
   FaceFlags front = {};
   mark_front_faces(part, eye, front);
   for (int e = 0; e < part.edges.size(); ++e) {
     const ConvexPart::Edge& edge = part.edges[e];
-    edges[e] = EdgePieces();
-    if (front[edge.face_left] || front[edge.face_right]) edges[e].pieces.push_back(Piece());
+    edges[e] = EdgeView();
+    if (front[edge.face_left] || front[edge.face_right]) edges[e].pieces.push_back(EdgePiece());
   }
   for (int q = 0; q < object.parts.size(); ++q) {
     Shadow shadow;
@@ -221,7 +207,7 @@ void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>
           !inside_shadow(shadow, part.vertices[edge.a], part.vertices[edge.b], inside)) {
         continue;
       }
-      const Piece hidden{to_share(inside.begin), to_share(inside.end)};
+      const EdgePiece hidden{to_share(inside.begin), to_share(inside.end)};
       if (hidden.end <= hidden.begin) continue;
       edges[e].cut = true;
       cut(hidden, edges[e].pieces);
@@ -229,23 +215,15 @@ void find_visible_edges(const VirtualObject& object, int p, const Vector3<float>
   }
 }
 
-/// A piece of an edge that is to be seen.
-struct VisiblePiece {
-  std::uint8_t part;
-  std::uint8_t edge;
-  Piece piece;
-};
-using VisiblePieces = FixedVector<VisiblePiece, kMaxVisiblePieces>;
-
 void find_visible_pieces(const VirtualObject& object, const Vector3<float>& eye,
                          VisiblePieces& visible, DrawReport& report) {
   for (int p = 0; p < object.parts.size(); ++p) {
-    EdgePieces edges[ConvexPart::kMaxEdges];
+    EdgeView edges[ConvexPart::kMaxEdges];
     find_visible_edges(object, p, eye, edges);
     for (int e = 0; e < object.parts[p].edges.size(); ++e) {
       report.edges += edges[e].pieces.empty() && !edges[e].cut ? 0 : 1;
       report.cut += edges[e].cut ? 1 : 0;
-      for (const Piece& piece : edges[e].pieces) {
+      for (const EdgePiece& piece : edges[e].pieces) {
         const VisiblePiece next{static_cast<std::uint8_t>(p), static_cast<std::uint8_t>(e), piece};
         if (!visible.push_back(next)) ++report.left_out;
       }
