@@ -11,13 +11,13 @@ fixed=(cortex-m3 cortex-m0plus rv32imc)
 scripts/setup.sh
 for board in "${boards[@]}"; do
   # The C interface and the examples are built for one board.
-  once=()
-  [ "$board" = cortex-m7 ] || once=(-DCAIRN_C_CONFIGS= -DCAIRN_BUILD_EXAMPLES=OFF)
-  cmake --preset "$board" "${once[@]}"
+  options=(-DCAIRN_TARGET_DEBUG=-g1)
+  [ "$board" = cortex-m7 ] || options+=(-DCAIRN_C_CONFIGS= -DCAIRN_BUILD_EXAMPLES=OFF)
+  cmake --preset "$board" "${options[@]}"
   cmake --build --preset "$board"
 done
 for board in "${fixed[@]}"; do
-  cmake --preset "$board"
+  cmake --preset "$board" -DCAIRN_TARGET_DEBUG=-g1
   cmake --build --preset "$board"
 done
 cmake --preset host -DCAIRN_UNITY_BUILD=ON -DCAIRN_FIRMWARE_BOARDS="$(IFS=';'; echo "${boards[*]}")" \

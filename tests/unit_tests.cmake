@@ -1,15 +1,3 @@
-# cairn_precompile(LIBRARY HEADERS ... LIBRARIES ...): headers that many test programs include, compiled once: most of
-# a small test's compile time. With CAIRN_UNITY_BUILD alone: compiler caches miss what follows precompiled headers,
-# unless they are told better.
-function(cairn_precompile library)
-  if(CAIRN_UNITY_BUILD AND NOT TARGET ${library})
-    cmake_parse_arguments(arg "" "" "HEADERS;LIBRARIES" ${ARGN})
-    add_library(${library} OBJECT ${PROJECT_SOURCE_DIR}/tests/precompiled.cpp)
-    target_link_libraries(${library} PRIVATE ${arg_LIBRARIES} cairn_warnings)
-    target_precompile_headers(${library} PRIVATE ${arg_HEADERS})
-  endif()
-endfunction()
-
 # cairn_test(NAME SOURCES ... [LIBRARIES ...]): a GoogleTest program of the host, run by ctest as NAME.
 # Boards leave it out.
 function(cairn_test name)
