@@ -300,7 +300,7 @@ TEST_P(FixedVehicle, ASlideAcrossTheHeadingEqualsDouble) {
   for (int k = 0; k < 5; ++k) {
     pair.both([](auto& filter, auto zero) {
       using T = decltype(zero);
-      return filter.slide(T(0.015625));
+      return filter.slip_laterally(T(0.015625));
     });
     pair.drive(3);
   }
@@ -332,7 +332,7 @@ TEST(FixedVehicle, RefusesWhatIsNotFinite) {
   increment.distance_m = nan;
   EXPECT_EQ(pair.fixed->predict(increment), Status::kInvalidArgument);
   EXPECT_EQ(pair.fixed->widen_pose(nan, 0.0F), Status::kInvalidArgument);
-  EXPECT_EQ(pair.fixed->slide(-1.0F), Status::kInvalidArgument);
+  EXPECT_EQ(pair.fixed->slip_laterally(-1.0F), Status::kInvalidArgument);
   EXPECT_EQ(pair.fixed->drift_world(0.0F, -1.0F), Status::kInvalidArgument);
   Rigid<float> mount = pair.mount;
   mount.translation.x() = nan;

@@ -61,13 +61,12 @@ TYPED_TEST(PlanarFilter, AddsUpdatesAndRemovesLandmarks) {
   this->run(300, 600);
 }
 
-/// A vehicle that slides in a turn does so across its heading.
-TYPED_TEST(PlanarFilter, SlidesAcrossItsHeadingAlone) {
+TYPED_TEST(PlanarFilter, SlipsLaterallyAcrossItsHeadingAlone) {
   this->run(0, 40);
   auto& filter = this->filter_;
   const Matrix3<double> before = filter.pose_covariance();
   const auto pose = filter.mean_pose();
-  ASSERT_EQ(filter.slide(0.04), Status::kOk);
+  ASSERT_EQ(filter.slip_laterally(0.04), Status::kOk);
   const Matrix2<double> R = planar_test::rotation(pose.heading);
   const Matrix2<double> grown =
       R.transpose() * (filter.pose_covariance() - before).topLeftCorner(2, 2) * R;
@@ -75,9 +74,9 @@ TYPED_TEST(PlanarFilter, SlidesAcrossItsHeadingAlone) {
   EXPECT_NEAR(grown(0, 0), 0.0, 1e-3);
   EXPECT_NEAR(grown(0, 1), 0.0, 1e-3);
   EXPECT_NEAR(filter.pose_covariance()(2, 2), before(2, 2), 1e-9);
-  EXPECT_EQ(filter.slide(-0.01), Status::kInvalidArgument);
-  EXPECT_EQ(filter.slide(kNan), Status::kNonFiniteInput);
-  EXPECT_EQ(TypeParam().slide(0.01), Status::kNotInitialised);
+  EXPECT_EQ(filter.slip_laterally(-0.01), Status::kInvalidArgument);
+  EXPECT_EQ(filter.slip_laterally(kNan), Status::kNonFiniteInput);
+  EXPECT_EQ(TypeParam().slip_laterally(0.01), Status::kNotInitialised);
 }
 
 /// Removing a landmark is marginalising: the rest of the filter does as if nothing had been.

@@ -75,7 +75,7 @@ TYPED_TEST(PlanarLimits, APoseOfWhichNothingIsKnownStaysFinite) {
     this->expect_sound();
     ASSERT_TRUE(ok(this->filter().widen_pose(variance, variance)));
     this->expect_sound();
-    ASSERT_TRUE(ok(this->filter().slide(variance)));
+    ASSERT_TRUE(ok(this->filter().slip_laterally(variance)));
     this->expect_sound();
     this->see(T(0.1));
     this->expect_sound();

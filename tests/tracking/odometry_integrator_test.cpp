@@ -169,7 +169,7 @@ struct LastIncrement {
     return Status::kOk;
   }
   Status widen_pose(float, float) { return Status::kOk; }
-  Status slide(float) { return Status::kOk; }
+  Status slip_laterally(float) { return Status::kOk; }
 };
 
 /// Steering couples the noise of an Ackermann vehicle's turn to that of its speed. GIVEN a straight

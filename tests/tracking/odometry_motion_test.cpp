@@ -58,15 +58,15 @@ class AHeldMotion : public ::testing::Test {
   OdometryMotion motion_;
 };
 
-/// Over the second that a turn slides in one direction, twice the square of centre and yaw rate.
-TEST_F(AHeldMotion, SlidesInATurnByTheSameHoweverTimeIsCut) {
-  EXPECT_EQ(motion_.slide_over(0.1F), 0.0F) << "straight ahead";
+/// Over the second in which a turn slips in one direction, twice the square of centre and yaw rate.
+TEST_F(AHeldMotion, SlipsLaterallyInATurnByTheSameHoweverTimeIsCut) {
+  EXPECT_EQ(motion_.lateral_slip_over(0.1F), 0.0F) << "straight ahead";
   for (int k = 21; k <= 80; ++k) motion_.take(reading(k, 1.0F, 0.5F));
-  const float second = motion_.slide_over(1.0F);
+  const float second = motion_.lateral_slip_over(1.0F);
   EXPECT_NEAR(second, 2.0F * square(noise_.turn_centre_m * 0.5F), 1e-5F);
-  EXPECT_NEAR(50.0F * motion_.slide_over(0.02F), second, 1e-6F);
+  EXPECT_NEAR(50.0F * motion_.lateral_slip_over(0.02F), second, 1e-6F);
   motion_.take(reading(81, 0.0F));
-  EXPECT_EQ(motion_.slide_over(0.1F), 0.0F) << "at rest, whatever the readings before";
+  EXPECT_EQ(motion_.lateral_slip_over(0.1F), 0.0F) << "at rest, whatever the readings before";
 }
 
 TEST_F(AHeldMotion, IsTheNewestReadings) {

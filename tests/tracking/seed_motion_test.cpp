@@ -172,9 +172,9 @@ TEST_F(AWaySinceAKeyframe, IsUnknownToAVehicleThatHasNotMoved) {
 }
 
 /// Sideways errors turn the map, they do not scale it.
-TEST_F(AWaySinceAKeyframe, IsKnownThoughTheVehicleMayHaveSlid) {
+TEST_F(AWaySinceAKeyframe, IsKnownDespiteLateralSlip) {
   for (int k = 0; k < 3; ++k) move(0.05F);
-  ASSERT_TRUE(ok(estimate_.slam.slide(0.01F)));
+  ASSERT_TRUE(ok(estimate_.slam.slip_laterally(0.01F)));
   EXPECT_TRUE(way_is_known(estimate_, kKeyframe));
   ASSERT_TRUE(ok(estimate_.slam.widen_pose(0.01F, 0.0F)));
   EXPECT_FALSE(way_is_known(estimate_, kKeyframe));

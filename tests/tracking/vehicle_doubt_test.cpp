@@ -14,7 +14,7 @@ namespace {
 struct AnyFilter {
   Status predict(const PlanarIncrement<float>&) { return Status::kOk; }
   Status widen_pose(float, float) { return Status::kOk; }
-  Status slide(float) { return Status::kOk; }
+  Status slip_laterally(float) { return Status::kOk; }
 };
 
 /// GIVEN a vehicle whose camera looks ahead over grey columns, at 30 frames a second.

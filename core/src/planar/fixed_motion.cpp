@@ -114,7 +114,8 @@ void FixedMotionNoise::widen(FixedVariance position, FixedVariance heading, Coun
   accumulate(own_.yy, position, saturations);
 }
 
-void FixedMotionNoise::slide(FixedVariance variance, FixedAngle heading, Count& saturations) {
+void FixedMotionNoise::slip_laterally(FixedVariance variance, FixedAngle heading,
+                                      Count& saturations) {
   FixedRatio sine;
   FixedRatio cosine;
   sin_cos(heading, sine, cosine);

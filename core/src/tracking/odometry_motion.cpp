@@ -121,9 +121,9 @@ PlanarIncrement<float> OdometryMotion::increment_of(const OdometrySample& readin
              : twist_increment(reading.speed_mps, reading.turn, dt_s, sigma, sigma_turn, kModel);
 }
 
-/// A turn slides for about a second in one direction: noise that stays correlated for a time tau
-/// adds 2 sigma^2 tau a second to the variance.
-float OdometryMotion::slide_over(float dt_s) const {
+/// In a turn the vehicle slips in one direction for about a second: noise that stays correlated for
+/// a time tau adds 2 sigma^2 tau a second to the variance.
+float OdometryMotion::lateral_slip_over(float dt_s) const {
   constexpr float kTurn_s = 1.0F;
   if (at_rest()) return 0.0F;
   const float yaw_rate = over(steady(), 1.0F).yaw_rad;

@@ -39,7 +39,7 @@ class PixelUpdate;
 /// ErrorModel holds mean and covariance and says what "error" means. It has the constants Scalar,
 /// kMaxLandmarks, kLandmarkDim, kVehicleStates, kStates, kHasWorldLandmarks, kDefersNoise,
 /// kTurnsAboutAnchor, and
-///   start, propagate, widen..., slide the vehicle: at a known pose, by odometry, with more noise
+///   start, propagate, widen..., slip... the vehicle: at a known pose, by odometry, with more noise
 ///   frame, relative                   the relative vector landmark - vehicle, in frame()'s axes
 ///   relative_of, relative_columns,    with C its Jacobian by the error: C v, P C^T (x and y; the
 ///   height_state, relative_covariance height is a state of its own), C P C^T
@@ -213,7 +213,8 @@ class PlanarSlam {
 
   /// Adds independent noise to the pose: variances in m^2 (per axis) and rad^2, the most at most.
   Status widen_pose(Scalar position_variance, Scalar heading_variance);
-  Status slide(Scalar variance);  ///< the same across the vehicle's heading alone, m^2
+  /// Lateral slip: the same across the vehicle's heading alone, m^2.
+  Status slip_laterally(Scalar variance);
 
   /// A pose as odometry left it: what place() changes.
   struct Placement {

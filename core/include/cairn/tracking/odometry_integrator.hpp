@@ -165,7 +165,7 @@ Status OdometryIntegrator::move(const PlanarIncrement<float>& increment, float s
   const Status moved = filter.predict(increment);
   if (!ok(moved)) return moved;
   yaw_variance_ += increment.covariance(1, 1);
-  return filter.slide(motion_.slide_over(step_s));
+  return filter.slip_laterally(motion_.lateral_slip_over(step_s));
 }
 
 /// Over a time in which samples are missing, which the pose has not been moved through: as the

@@ -16,8 +16,8 @@ struct OdometryNoise {
   float sample_period_s = 0.1F;  ///< the period at which the noise above is stated
   float steady_s = 0.3F;  ///< time constant of the low-passed readings at which noise is linearised
   float max_acceleration_mps2 = 20.0F;  ///< a reading that changes faster counts as a glitch
-  /// How far before or behind the vehicle's origin the place lies that does not slide sideways in a
-  /// turn, standard deviation; 0: the vehicle never does.
+  /// Lateral slip: how far before or behind the vehicle's origin the place lies that does not move
+  /// sideways in a turn, standard deviation; 0: the vehicle never slips laterally.
   float turn_centre_m = 0.1F;
   /// Standard deviations of the motion while nothing is measured, or of the last reading's size
   /// where that is larger.
@@ -84,8 +84,8 @@ class OdometryMotion {
   /// A reading's, with noise of `scale` times that of a sample.
   PlanarIncrement<float> increment_of(const OdometrySample& reading, float dt_s, float scale,
                                       float slip_mps) const;
-  /// Variance of how far the vehicle slides across its heading in a time, m^2.
-  float slide_over(float dt_s) const;
+  /// Variance of the lateral slip in a time, m^2.
+  float lateral_slip_over(float dt_s) const;
   /// What the time since the motion was known adds between `from_s` and `to_s` after it.
   Drift drift_between(float from_s, float to_s) const;
   /// What `step_s` adds where only the samples before and after it are known.

@@ -134,13 +134,13 @@ Status PlanarSlam<ErrorModel>::widen_pose(T position_variance, T heading_varianc
 }
 
 template <class ErrorModel>
-Status PlanarSlam<ErrorModel>::slide(T variance) {
+Status PlanarSlam<ErrorModel>::slip_laterally(T variance) {
   if (!initialised_) return Status::kNotInitialised;
   if (!is_finite(variance)) return Status::kNonFiniteInput;
   if (variance < T(0)) return Status::kInvalidArgument;
   if (variance == T(0)) return Status::kOk;
   end_rest();
-  model_.slide(detail::at_most(variance, kMostPositionVariance<T>));
+  model_.slip_laterally(detail::at_most(variance, kMostPositionVariance<T>));
   return Status::kOk;
 }
 

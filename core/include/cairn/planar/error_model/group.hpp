@@ -73,7 +73,7 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
 
   void propagate(const PlanarIncrement<T>& increment);
   void widen_pose(T position_variance, T heading_variance);
-  void slide(T variance);
+  void slip_laterally(T variance);
   /// Whether the heading is so unsure that the vehicle's place, turned about the anchor by an error
   /// of it, lies 5 cm beside the line that the linear error allows.
   bool bends() const {

@@ -2,7 +2,8 @@
 
 #include "cairn/planar/error_model/group.hpp"
 
-// GroupErrorModel: what all its states share, the centre about which its error turns, and slides.
+// GroupErrorModel: what all its states share, the centre about which its error turns, and lateral
+// slip.
 
 namespace cairn {
 
@@ -19,7 +20,7 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::share_pose_error
 }
 
 template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::slide(T variance) {
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::slip_laterally(T variance) {
   const RelativeFrame<T> f = this->frame();
   W_(1, 1) += variance * square(f.sine);
   W_(2, 1) -= variance * f.sine * f.cosine;

@@ -59,7 +59,7 @@ class WorldErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     P_(1, 1) += position_variance;
     P_(2, 2) += heading_variance;
   }
-  void slide(T variance) {
+  void slip_laterally(T variance) {
     const RelativeFrame<T> f = this->frame();
     P_(0, 0) += variance * square(f.sine);
     P_(1, 0) -= variance * f.sine * f.cosine;

@@ -143,7 +143,7 @@ class FixedPlanarSlam {
   /// As PlanarSlam's. Errors: kNotInitialised, kInvalidArgument (negative).
   Status drift_world(FixedVariance position, FixedVariance heading);
   Status widen_pose(FixedVariance position, FixedVariance heading);
-  Status slide(FixedVariance variance);
+  Status slip_laterally(FixedVariance variance);
   /// As PlanarSlam::place() and put_back().
   struct Placement {
     FixedPose pose;

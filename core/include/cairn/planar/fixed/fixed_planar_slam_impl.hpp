@@ -114,12 +114,12 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::widen_pose(FixedVarian
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::slide(FixedVariance variance) {
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::slip_laterally(FixedVariance variance) {
   if (!initialised_) return Status::kNotInitialised;
   if (variance.raw() < 0) return Status::kInvalidArgument;
   if (variance.raw() == 0) return Status::kOk;
   end_rest();
-  motion_.slide(variance, heading_, saturations_);
+  motion_.slip_laterally(variance, heading_, saturations_);
   return Status::kOk;
 }
 

@@ -51,9 +51,9 @@ class FixedVehicleSlam {
     return with_variances(position_variance, heading_variance,
                           [&](FixedVariance p, FixedVariance h) { return core_.widen_pose(p, h); });
   }
-  Status slide(float variance) {
+  Status slip_laterally(float variance) {
     return with_variances(variance, 0.0F,
-                          [&](FixedVariance v, FixedVariance) { return core_.slide(v); });
+                          [&](FixedVariance v, FixedVariance) { return core_.slip_laterally(v); });
   }
   Status drift_world(float position_variance, float heading_variance) {
     return with_variances(

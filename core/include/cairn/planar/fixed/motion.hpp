@@ -37,8 +37,8 @@ class FixedMotionNoise {
   /// The position's error turns with the heading's over a step of (x, y).
   void turn(FixedOffset x, FixedOffset y, std::uint32_t& saturations);
   void widen(FixedVariance position, FixedVariance heading, std::uint32_t& saturations);
-  /// The same across a heading.
-  void slide(FixedVariance variance, FixedAngle heading, std::uint32_t& saturations);
+  /// Lateral slip: the same across a heading.
+  void slip_laterally(FixedVariance variance, FixedAngle heading, std::uint32_t& saturations);
 
   FixedVariance heading() const { return heading_; }
   FixedVariance x_heading() const { return x_heading_; }

@@ -48,7 +48,7 @@ class LiftedErrorModel {
   void start(const PlanarPose<T>& pose, const Matrix3<T>& covariance);
   void propagate(const PlanarIncrement<T>& increment);
   void widen_pose(T position_variance, T heading_variance);
-  void slide(T variance);
+  void slip_laterally(T variance);
 
   PlanarPose<T> mean_pose() const;
   LandmarkVector mean_landmark(int slot) const;

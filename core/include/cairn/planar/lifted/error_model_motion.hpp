@@ -275,7 +275,7 @@ void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::widen_pose(T position_varia
 }
 
 template <class T, int MaxLandmarks, int LandmarkDim>
-void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::slide(T variance) {
+void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::slip_laterally(T variance) {
   detail::Monomials<T> left;
   left.m[detail::kUy] = T(1);
   left.m[detail::kUyC] = T(1);
