@@ -17,6 +17,24 @@ FixedVariance scaled(FixedVariance variance, FixedRatio factor, Count& count) {
 
 }  // namespace
 
+/// Along and across the direction, the two columns turned so that they are triangular.
+FixedCholesky3 FixedSighting::noise() const {
+  constexpr int kBits = kOffsetBits - 1;
+  const auto part = [](FixedRatio direction, FixedOffset deviation) {
+    const std::int64_t product = std::int64_t{direction.raw()} * deviation.raw();
+    return static_cast<std::int32_t>(wide::round_shift(product, FixedRatio::kFractionBits + 1));
+  };
+  std::int32_t first[2] = {part(cosine, sigma[0]), part(sine, sigma[0])};
+  std::int32_t second[2] = {part(-sine, sigma[1]), part(cosine, sigma[1])};
+  rotate(rotation_onto(first[0], second[0]), first, second, 2);
+  FixedCholesky3 out;
+  const std::int32_t elements[3] = {first[0], first[1], second[1]};
+  for (int k = 0; k < 3; ++k) {
+    out.l[k] = elements[k] * (std::int64_t{1} << (FixedCholesky3::kBits - kBits));
+  }
+  return out;
+}
+
 void FixedAxes::turn(FixedLength x, FixedLength y, FixedLength& world_x, FixedLength& world_y,
                      Count& saturations) const {
   world_x = subtract(multiply<FixedLength>(x, cosine, saturations),

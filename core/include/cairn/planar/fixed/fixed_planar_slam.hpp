@@ -4,15 +4,15 @@
 #include "cairn/base/hash.hpp"
 #include "cairn/base/health.hpp"
 #include "cairn/numeric/random.hpp"
-#include "cairn/planar/detail/landmark_slots.hpp"
-#include "cairn/planar/detail/reacquisition.hpp"
-#include "cairn/planar/fixed/covariance3.hpp"
-#include "cairn/planar/fixed/hypothesis.hpp"
-#include "cairn/planar/fixed/motion.hpp"
+#include "cairn/planar/fixed/correction.hpp"
+#include "cairn/planar/fixed/error.hpp"
+#include "cairn/planar/fixed/pixel_model.hpp"
 #include "cairn/planar/fixed/pixel_sighting.hpp"
 #include "cairn/planar/fixed/rest.hpp"
-#include "cairn/planar/fixed/row_scaled_factor.hpp"
 #include "cairn/planar/fixed/sighting.hpp"
+#include "cairn/planar/fixed/state.hpp"
+#include "cairn/planar/fixed/tilt.hpp"
+#include "cairn/planar/fixed/update_records.hpp"
 
 namespace cairn {
 
@@ -20,9 +20,6 @@ namespace detail {
 template <class Filter>
 class FixedPixelUpdate;
 }
-
-/// Error of the states: GroupErrorModel's or WorldErrorModel's.
-enum class FixedError : std::uint8_t { kGroup, kWorld };
 
 /// PlanarSlam for cores without a floating-point unit: integers alone, of 32 and 64 bits. Use it as
 /// FixedGroupSlam or, to compare with, FixedEkfSlam. The same error model, updates, gate,
@@ -155,14 +152,14 @@ class FixedPlanarSlam {
   bool recentre();
 
   bool initialised() const { return initialised_; }
-  int landmark_count() const { return slots_.size(); }
-  int state_size() const { return factor_.size(); }
-  LandmarkId landmark_id(int slot) const { return slots_.id(slot); }
+  int landmark_count() const { return state_.count(); }
+  int state_size() const { return errors_.factor().size(); }
+  LandmarkId landmark_id(int slot) const { return state_.slots().id(slot); }
   /// Slot of a landmark, -1 where there is none.
-  int find(LandmarkId id) const { return slots_.find(id); }
+  int find(LandmarkId id) const { return state_.find(id); }
 
   /// Mean, the point of linearisation.
-  FixedPose mean_pose() const;
+  FixedPose mean_pose() const { return state_.pose(); }
   FixedLandmark mean_landmark(int slot) const;  ///< its covariance is zero
   /// Exact moments of the Gaussian error, as GroupIekfSlam's; EkfSlam's are the mean's. Cost: O(1);
   /// O(n) for a landmark.
@@ -176,21 +173,22 @@ class FixedPlanarSlam {
   FixedCovariance3 landmark_covariance(int slot) const;
 
   /// Height of a landmark and its variance; 0 of points on the plane.
-  FixedCoordinate landmark_height(int slot) const;
+  FixedCoordinate landmark_height(int slot) const { return state_.height(slot); }
   FixedVariance landmark_height_variance(int slot) const;
   /// Whether the tilt is part of the state, its mean, and its covariance.
-  bool tilts() const { return LandmarkDim == 3 && parameters_.tilt.tilts(); }
-  FixedTilt tilt() const { return tilt_; }
-  FixedCovariance2 tilt_covariance() const;
+  bool tilts() const { return state_.tilts(); }
+  FixedTilt tilt() const { return state_.tilt(); }
+  FixedCovariance2 tilt_covariance() const {
+    return tilts() ? errors_.tilt_covariance() : FixedCovariance2();
+  }
   /// Variances of what `dt_s` seconds add to it.
-  FixedCovariance2 tilt_noise(FixedOffset dt_s) const;
+  FixedCovariance2 tilt_noise(FixedOffset dt_s) const {
+    return detail::tilt_noise(parameters_.tilt, dt_s);
+  }
   /// Covariance of two elements of the error without the odometry that no update has taken in yet:
   /// heading, xi_x, xi_y, pitch and roll where the body tilts, landmarks. Cost: O(n).
-  FixedVariance factor_covariance(int i, int j) const {
-    std::uint32_t none = 0;
-    return FixedVariance::from_raw(factor_.covariance(i, j, none));
-  }
-  int state_of(int slot) const { return vehicle_states() + LandmarkDim * order_[slot]; }
+  FixedVariance factor_covariance(int i, int j) const { return errors_.covariance(i, j); }
+  int state_of(int slot) const { return state_.state_of(slot); }
 
   const Health& health() const { return health_; }
   /// Results that did not fit their format, divisions by zero among them, since initialise().
@@ -199,12 +197,11 @@ class FixedPlanarSlam {
   void hash(Hash64& hash) const;
 
  private:
+  static constexpr FixedError kError = Error;
   static constexpr bool kWorld = Error == FixedError::kWorld;
-  static constexpr int kPoseStates = 3;  // heading, x, y; then the tilt, then the landmarks
-  static constexpr int kFullRow =
-      kStates <= 64 ? 3 : (kStates <= 256 ? 4 : 5);  // 4^ states or more
-  using PixelView = detail::FixedCameraView;
-  using PixelSighting = detail::FixedPixelSighting;
+  using State = detail::FixedPlanarState<MaxLandmarks, LandmarkDim>;
+  using Errors = detail::FixedPlanarError<State, Error>;
+  using PixelModel = detail::FixedPixelModel<State, Errors>;
   friend class detail::FixedPixelUpdate<FixedPlanarSlam>;
 
   template <class Observation>
@@ -212,139 +209,46 @@ class FixedPlanarSlam {
                 FixedUpdateReport& report);
   template <class Observation>
   int collect(Span<Observation> observations, FixedLength sensor_offset, FixedUpdateReport& report);
-  bool tells_nothing_new(int count, FixedUpdateReport& report);
-  void refuse(int slot, FixedUpdateReport& report);
+  template <class Sighting>
+  bool tells_nothing_new(const Sighting* sightings, int count, FixedUpdateReport& report);
   template <class Sighting>
   void apply(const Sighting* sightings, int count, FixedUpdateReport& report,
              bool deviates = false);
-  std::int64_t apply_row(const detail::FixedSighting& sighting, int row);
-  std::int64_t apply_row(const PixelSighting& sighting, int row);
-  std::int64_t take_in(int last, int bits, std::int32_t sigma, std::int64_t innovation,
-                       int fraction);
-  void correct();
-  void finish_update(int used, FixedUpdateReport& report);
+  template <class Sighting>
+  void finish_update(const Sighting* sightings, int used, FixedUpdateReport& report);
   Status check_camera(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
                       FixedPixel sigma_px) const;
-  PixelView camera_view(const FixedCamera& camera, const FixedMount& T_vehicle_camera,
-                        std::uint32_t& saturations) const;
-  detail::FixedStateRow row_of(const PixelSighting& sighting, int row) const;
-  bool sight(const PixelView& view, int slot, FixedPixel sigma_px, PixelSighting& out,
-             detail::FixedPixelRows& rows, std::int32_t* scratch, std::uint32_t& saturations) const;
-  bool expect(const PixelView& view, int slot, FixedPixel sigma_px,
-              FixedPixelPrediction& prediction, std::int32_t* scratch,
-              std::uint32_t& saturations) const;
-  FixedCovariance2 innovation_of(const PixelSighting& sighting, std::int32_t* scratch,
-                                 std::uint32_t& saturations) const;
-  FixedCovariance2 waiting_noise(int slot, std::uint32_t& saturations) const;
-  static FixedVariance form(const FixedCovariance2& c, const FixedTangent (&a)[3],
-                            const FixedTangent (&b)[3], std::uint32_t& saturations);
-  void start_tilt();
-  std::int64_t tilt_decay(FixedOffset dt_s) const;
-  void keep_tilt(const FixedCovariance2& tilt);
-  void widen_landmark(int slot, int doublings);
   void end_rest();
   void propagate(const FixedIncrement& increment);
-  void turn_with_heading();
-  void absorb_motion();
-  void share_pose_error();
+  void absorb_motion() { errors_.absorb_motion(state_, saturations_); }
   Status make_room(LandmarkId id, LandmarkId* replaced);
   void remove_states(int slot);
-  void append_row(int from, std::int64_t first, std::int64_t second, int fraction);
-  detail::FixedRotation vehicle_axes() const;
-  void enter(LandmarkId id, bool pinned = false);
   void prepare_to_append(bool shares);
-  void append_states(const detail::FixedStateRow (&rows)[3], const detail::FixedCholesky3& noise,
-                     int spare);
-  void place_beside_vehicle(const detail::FixedRotation& rotation, const FixedLength (&y)[3],
-                            detail::FixedStateRow (&rows)[3]);
+  void enter(LandmarkId id, const detail::FixedStateRow (&rows)[3],
+             const detail::FixedCholesky3& noise, int spare, bool pinned = false);
   Status add_seen(LandmarkId id, const FixedLength (&y)[3], const FixedCovariance3& noise,
                   LandmarkId past, const FixedLength (*by_path)[2], LandmarkId* replaced);
-  void add_path(const detail::FixedRotation& rotation, int past, const FixedLength (*by_path)[2],
-                detail::FixedStateRow (&rows)[3]);
-  void place_in_world(const FixedCoordinate (&p_world)[3]);
-  bool place_in_frame(FixedCoordinate x, FixedCoordinate y, int origin, int ahead,
-                      FixedLength (&lambda)[2], std::uint32_t& saturations) const;
-  void move_pose(const FixedPose& pose);
-  void move_anchor();
-  void shear(int first, const FixedLength (&by)[2]);
-  FixedCovariance3 covariance_of(const detail::FixedStateRow (&rows)[3]) const;
-
-  int vehicle_states() const { return kPoseStates + (tilts() ? 2 : 0); }
-  /// Fraction bits of the correction of state i.
-  int correction_bits(int i) const {
-    const bool angle = i == 0 || (i >= kTiltState && i < vehicle_states());
-    return angle ? FixedAngle::kFractionBits : FixedOffset::kFractionBits;
-  }
-  /// The tilt that the correction leads to.
-  FixedTilt tilt_after() const {
-    const auto turned = [this](FixedAngle angle, int state) {
-      return wrapped_angle(std::int64_t{angle.raw()} + correction_[state]);
-    };
-    return {turned(tilt_.pitch, kTiltState), turned(tilt_.roll, kTiltState + 1)};
-  }
-  FixedLength vehicle(int axis) const { return local(x_[axis]); }
-  FixedLength landmark_local(int slot, int axis) const { return local(p_[slot][axis]); }
-  static FixedLength local(FixedCoordinate coordinate) {
-    std::uint32_t none = 0;
-    return convert<FixedLength>(coordinate, none);
-  }
-  FixedLength relative(int slot, int axis) const {
-    std::uint32_t none = 0;
-    return convert<FixedLength>(subtract(p_[slot][axis], x_[axis], none), none);
-  }
-  /// By which an error of the heading turns what a sighting measures, in the world's error: from
-  /// where the vehicle was when the factor took its motion in last.
-  FixedLength lever(int slot, int axis) const {
-    std::uint32_t none = 0;
-    const FixedCoordinate from = subtract(x_[axis], moved_[axis], none);
-    return convert<FixedLength>(subtract(p_[slot][axis], from, none), none);
-  }
-  FixedCovariance2 relative_covariance(int slot, std::uint32_t& saturations) const;
-  FixedPoseCovariance error_covariance(std::uint32_t& saturations, bool with_shared = true) const;
+  std::int64_t height_score(const detail::FixedPixelSighting& seen, FixedLength sigma);
 
   FixedPlanarParameters parameters_;
   Health health_;
   std::uint32_t saturations_ = 0;
   bool initialised_ = false;
-  std::uint32_t updates_ = 0;
-  detail::LandmarkSlots<MaxLandmarks> slots_;
-  detail::Reacquisition reacquisition_;
+  State state_;
+  Errors errors_;
   detail::FixedRest rest_;
-
-  // The mean, m from the anchor, and the order of the landmarks' states.
-  FixedAngle heading_;
-  FixedCoordinate x_[2];
-  FixedCoordinate anchor_[2];
-  FixedCoordinate p_[MaxLandmarks][LandmarkDim];
-  FixedTilt tilt_;
-  std::int16_t order_[MaxLandmarks] = {};
-
-  // Its error: what the factor holds, what odometry added since, and what the pose was unsure by
-  // when the first landmark came.
-  RowScaledFactor<kStates> factor_;
-  detail::FixedMotionNoise motion_;
-  FixedPoseCovariance shared_;
-  FixedCoordinate moved_[2];  ///< since then, of the world's error
-
+  detail::FixedUpdateRecords<kMaxObservations> records_;
+  detail::FixedCorrection<State, Error> correction_;
   // Of one update.
   detail::FixedSighting sightings_[kMaxObservations];
-  PixelSighting pixels_[LandmarkDim == 3 ? kMaxObservations : 1];
-  std::int16_t used_[kMaxObservations] = {};
-  std::int16_t refused_[kMaxObservations] = {};
-  int refused_count_ = 0;
-  std::int64_t admitted_score_ = 0;
-  std::int32_t correction_[kStates] = {};
-  std::int32_t scratch_[LandmarkDim * kStates] = {};
+  detail::FixedPixelSighting pixels_[LandmarkDim == 3 ? kMaxObservations : 1];
 };
 
 }  // namespace cairn
 
-#include "cairn/planar/fixed/fixed_planar_slam_frame_impl.hpp"
-#include "cairn/planar/fixed/fixed_planar_slam_heights_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_map_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_pixel_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_read_out.hpp"
-#include "cairn/planar/fixed/fixed_planar_slam_records_impl.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam_update_impl.hpp"
 #include "cairn/planar/fixed/pixel_update.hpp"

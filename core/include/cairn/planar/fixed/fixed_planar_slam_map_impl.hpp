@@ -1,90 +1,98 @@
 #pragma once
 
-#include "cairn/planar/fixed/covariance3.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam.hpp"
+#include "cairn/planar/fixed/map_frame.hpp"
 
-// FixedPlanarSlam: landmarks in space, remembered positions, and where the vehicle was recognised.
+// FixedPlanarSlam: landmarks and remembered positions.
 
 namespace cairn {
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-detail::FixedRotation FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::vehicle_axes() const {
-  const detail::FixedAxes axes(heading_);
-  const auto level = detail::rotation_about_vertical(axes.cosine, axes.sine);
-  return tilts() ? level * detail::rotation_of(tilt_) : level;
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::make_room(LandmarkId id,
+                                                                    LandmarkId* replaced) {
+  if (id == kNoLandmark) return Status::kInvalidArgument;
+  if (find(id) >= 0) return Status::kDuplicate;
+  if (replaced != nullptr) *replaced = kNoLandmark;
+  const auto& slots = state_.slots();
+  if (!slots.full()) return Status::kOk;
+  const int slot = parameters_.replace_after > 0
+                       ? slots.replaceable(records_.updates(),
+                                           static_cast<std::uint32_t>(parameters_.replace_after))
+                       : -1;
+  if (slot < 0) {
+    ++health_.landmarks_refused;
+    return Status::kFull;
+  }
+  if (replaced != nullptr) *replaced = slots.id(slot);
+  remove_states(slot);
+  ++health_.landmarks_replaced;
+  return Status::kOk;
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::enter(LandmarkId id, bool pinned) {
-  slots_.push(id, updates_);
-  slots_.statistics(slots_.size() - 1).pinned = pinned;
-  ++health_.landmarks_added;
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::remove_states(int slot) {
+  errors_.remove(state_of(slot));
+  state_.remove(slot);
+}
+
+template <int MaxLandmarks, int LandmarkDim, FixedError Error>
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::remove_landmark(int slot) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (slot < 0 || slot >= landmark_count()) return Status::kNotFound;
+  remove_states(slot);
+  ++health_.landmarks_removed;
+  return Status::kOk;
 }
 
 /// What rested may move by now, and the error that the first landmark shares is the world's.
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::prepare_to_append(bool shares) {
   end_rest();
-  if (shares && slots_.size() == 0) {
-    share_pose_error();
+  if (shares && landmark_count() == 0) {
+    errors_.share_pose_error(state_, saturations_);
   } else {
     absorb_motion();
   }
-  order_[slots_.size()] = static_cast<std::int16_t>(slots_.size());
 }
 
-/// Appends the states of a landmark: `rows` of those before, and `noise`. Of a row at most 4^spare
-/// elements are not zero.
+/// A landmark that the state has placed: `rows` of the states before, and `noise`.
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::append_states(
-    const detail::FixedStateRow (&rows)[3], const detail::FixedCholesky3& noise, int spare) {
-  constexpr int kBits = detail::FixedCholesky3::kBits;
-  const int first = state_of(slots_.size());
-  for (int axis = 0; axis < LandmarkDim; ++axis) {
-    const detail::FixedStateRow& row = rows[axis];
-    const auto element = [&](int column) {
-      std::uint32_t none = 0;
-      std::int64_t sum = column >= first && column - first <= axis ? noise.at(axis, column - first)
-                                                                   : std::int64_t{0};
-      for (int k = 0; k < row.count; ++k) {
-        if (column > row.state[k]) continue;
-        const std::int64_t part = row.coefficient[k] * factor_.at(row.state[k], column);
-        const int shift = kBits - row.bits[k] - factor_.bits(row.state[k]);
-        sum = wide::add(sum, wide::scale(part, shift, none), none);
-      }
-      return sum;
-    };
-    factor_.append(kBits, element, saturations_, spare);
-  }
+void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::enter(
+    LandmarkId id, const detail::FixedStateRow (&rows)[3], const detail::FixedCholesky3& noise,
+    int spare, bool pinned) {
+  errors_.append(rows, noise, spare, saturations_);
+  state_.enter(id, records_.updates(), pinned);
+  ++health_.landmarks_added;
 }
 
-/// Places the next landmark `y` from the vehicle in its axes; its errors are the vehicle's own and
-/// the tilt's turn about its axes.
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::place_beside_vehicle(
-    const detail::FixedRotation& rotation, const FixedLength (&y)[3],
-    detail::FixedStateRow (&rows)[3]) {
-  FixedLength seen[3];
-  rotation.turn(y, seen, saturations_);
-  const int slot = slots_.size();
-  for (int axis = 0; axis < LandmarkDim; ++axis) {
-    const auto at = convert<FixedCoordinate>(seen[axis], saturations_);
-    p_[slot][axis] = axis < 2 ? add(x_[axis], at, saturations_) : at;
-    if (axis < 2) rows[axis].add(1 + axis, 1, 0);
-  }
-  if (!tilts()) return;
-  const detail::FixedAxes axes(heading_);
-  const detail::FixedCameraView level({}, {}, axes.cosine, axes.sine, &tilt_, saturations_);
-  for (int axis = 0; axis < LandmarkDim; ++axis) {
-    const int next = (axis + 1) % 3;
-    const int last = (axis + 2) % 3;
-    for (int k = 0; k < 2; ++k) {
-      const FixedLength by_tilt = subtract(
-          multiply<FixedLength>(seen[last], level.axes[k][next], saturations_),
-          multiply<FixedLength>(seen[next], level.axes[k][last], saturations_), saturations_);
-      rows[axis].add(kTiltState + k, by_tilt.raw(), FixedLength::kFractionBits);
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_landmark(
+    LandmarkId id, FixedLength x, FixedLength y, const FixedCovariance2& noise,
+    LandmarkId* replaced) {
+  if (!initialised_) return Status::kNotInitialised;
+  if (LandmarkDim != 2) return Status::kInvalidArgument;
+  FixedPointObservation seen;
+  seen.x = x;
+  seen.y = y;
+  seen.noise = noise;
+  const Status valid = detail::check(seen);
+  if (!ok(valid)) return valid;
+  const Status status = make_room(id, replaced);
+  if (!ok(status)) return status;
+  prepare_to_append(!kWorld);
+  detail::FixedSighting sighting;
+  (void)linearise(seen, state_.axes(), FixedLength(), FixedLength(), FixedLength(), sighting,
+                  saturations_);
+  detail::FixedStateRow rows[3];
+  state_.place_on_plane(x, y, rows, saturations_);
+  if (kWorld) {  // J (landmark - vehicle) by the heading
+    for (int axis = 0; axis < 2; ++axis) {
+      const FixedLength by = state_.relative(landmark_count(), 1 - axis);
+      rows[axis].add(0, axis == 0 ? -by.raw() : by.raw(), FixedLength::kFractionBits);
     }
   }
+  enter(id, rows, sighting.noise(), 1);
+  return Status::kOk;
 }
 
 /// add_landmark(), and where `by_path` is given add_landmark_on_path().
@@ -97,7 +105,7 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_seen(
   detail::FixedCholesky3 own;
   std::uint32_t none = 0;
   if (!detail::cholesky(noise, own, none) ||
-      !detail::cholesky(detail::turned(noise, vehicle_axes(), none), own, none)) {
+      !detail::cholesky(detail::turned(noise, state_.rotation(), none), own, none)) {
     return Status::kInvalidArgument;
   }
   if (by_path != nullptr && find(past) < 0) return Status::kNotFound;
@@ -105,37 +113,13 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_seen(
   if (!ok(status)) return status;
   if (by_path != nullptr && find(past) < 0) return Status::kNotFound;  // it made room
   prepare_to_append(true);
-  const detail::FixedRotation rotation = vehicle_axes();
+  const detail::FixedRotation rotation = state_.rotation();
   (void)detail::cholesky(detail::turned(noise, rotation, none), own, saturations_);
   detail::FixedStateRow rows[3];
-  place_beside_vehicle(rotation, y, rows);
-  if (by_path != nullptr) add_path(rotation, find(past), by_path, rows);
-  append_states(rows, own, by_path == nullptr ? 2 : kFullRow);
-  enter(id);
+  state_.place_beside_vehicle(rotation, y, rows, saturations_);
+  if (by_path != nullptr) state_.add_path(rotation, find(past), by_path, rows, saturations_);
+  enter(id, rows, own, by_path == nullptr ? 2 : Errors::kFullRow);
   return Status::kOk;
-}
-
-/// The error of the way from the position in slot `past`.
-template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_path(
-    const detail::FixedRotation& rotation, int past, const FixedLength (*by_path)[2],
-    detail::FixedStateRow (&rows)[3]) {
-  const detail::FixedAxes axes(heading_);
-  FixedLength turned[2][3];
-  for (int k = 0; k < 2; ++k) {
-    const FixedLength column[3] = {by_path[0][k], by_path[1][k], by_path[2][k]};
-    rotation.turn(column, turned[k], saturations_);
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    // From the vehicle's axes to the world's.
-    FixedLength by_world[2];
-    axes.turn(turned[0][axis], turned[1][axis], by_world[0], by_world[1], saturations_);
-    for (int k = 0; k < 2; ++k) {
-      rows[axis].add(1 + k, by_world[k].raw(), FixedLength::kFractionBits);
-      rows[axis].add(state_of(past) + k, -std::int64_t{by_world[k].raw()},
-                     FixedLength::kFractionBits);
-    }
-  }
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
@@ -159,116 +143,85 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_position(LandmarkI
   if (!ok(status)) return status;
   prepare_to_append(true);
   detail::FixedStateRow rows[3];
-  place_beside_vehicle(detail::FixedRotation(), {}, rows);
-  append_states(rows, detail::FixedCholesky3(), 2);
-  enter(id, true);
+  state_.place_beside_vehicle(detail::FixedRotation(), {}, rows, saturations_);
+  enter(id, rows, detail::FixedCholesky3(), 2, true);
   return Status::kOk;
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::drift_world(FixedVariance position,
-                                                                      FixedVariance heading) {
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_frame_position(
+    LandmarkId id, const FixedCoordinate (&p_world)[3], const FixedCovariance3& covariance,
+    LandmarkId reference) {
   if (!initialised_) return Status::kNotInitialised;
-  if (position.raw() < 0 || heading.raw() < 0) return Status::kInvalidArgument;
-  if (kWorld) return Status::kOk;
-  detail::FixedMotionNoise drift;
-  drift.widen(position, heading, saturations_);
-  const FixedPoseCovariance more = drift.about(vehicle(0), vehicle(1), saturations_);
-  const auto enter = [&](FixedVariance& to, FixedVariance by) { to = add(to, by, saturations_); };
-  enter(shared_.heading, more.heading);
-  enter(shared_.x_heading, more.x_heading);
-  enter(shared_.y_heading, more.y_heading);
-  enter(shared_.position.xx, more.position.xx);
-  enter(shared_.position.xy, more.position.xy);
-  enter(shared_.position.yy, more.position.yy);
+  detail::FixedCholesky3 own;
+  std::uint32_t none = 0;
+  if (LandmarkDim != 3 || !detail::cholesky(covariance, own, none)) return Status::kInvalidArgument;
+  if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;
+  const Status status = make_room(id, nullptr);
+  if (!ok(status)) return status;
+  if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;  // it made room
+  prepare_to_append(false);
+  state_.place_in_world(p_world, saturations_);
+  detail::FixedStateRow rows[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    if (reference != kNoLandmark) {
+      rows[axis].add(state_of(find(reference)) + axis, 1, 0);
+    } else if (axis < 2) {
+      rows[axis].add(1 + axis, 1, 0);
+    }
+  }
+  enter(id, rows, own, Errors::kFullRow, true);
   return Status::kOk;
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::move_pose(const FixedPose& pose) {
-  x_[0] = subtract(pose.x, anchor_[0], saturations_);
-  x_[1] = subtract(pose.y, anchor_[1], saturations_);
-  heading_ = wrapped_angle(pose.heading.raw());
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_framed_landmark(
+    LandmarkId id, const FixedCoordinate (&p_world)[3], const FixedCovariance3& covariance,
+    LandmarkId origin, LandmarkId ahead, LandmarkId* replaced) {
+  if (!initialised_) return Status::kNotInitialised;
+  detail::FixedCholesky3 own;
+  std::uint32_t none = 0;
+  if (LandmarkDim != 3 || !detail::cholesky(covariance, own, none)) return Status::kInvalidArgument;
+  if (find(origin) < 0 || find(ahead) < 0) return Status::kNotFound;
+  using Frame = detail::FixedMapFrame<State>;
+  FixedLength lambda[2];
+  if (!Frame(state_, find(origin), find(ahead))
+           .place(state_.from_anchor(p_world[0], 0, saturations_),
+                  state_.from_anchor(p_world[1], 1, saturations_), lambda, saturations_)) {
+    return Status::kInvalidArgument;
+  }
+  const Status status = make_room(id, replaced);
+  if (!ok(status)) return status;
+  if (find(origin) < 0 || find(ahead) < 0) return Status::kNotFound;  // it made room
+  prepare_to_append(false);
+  state_.place_in_world(p_world, saturations_);
+  detail::FixedStateRow rows[3];
+  Frame(state_, find(origin), find(ahead)).landmark_rows(lambda, rows);
+  enter(id, rows, own, Errors::kFullRow);
+  return Status::kOk;
 }
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-typename FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::Placement
-FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::place(const FixedPose& pose,
-                                                         FixedVariance position,
-                                                         FixedVariance heading) {
-  const Placement before = {mean_pose(), motion_};
-  if (kWorld) return before;
-  move_pose(pose);
-  const FixedCovariance2& own = motion_.position();
-  const FixedVariance larger = own.xx < own.yy ? own.yy : own.xx;
-  const FixedVariance turn = motion_.heading();
-  const auto bounded = [](FixedVariance variance, FixedVariance most) {
-    const FixedVariance least = variance < most ? variance : most;
-    return least.raw() < 0 ? FixedVariance() : least;
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::widen_frame(LandmarkId origin,
+                                                                      LandmarkId ahead,
+                                                                      FixedVariance position,
+                                                                      FixedVariance heading) {
+  constexpr int kBits = 40;
+  const int slots[2] = {find(origin), find(ahead)};
+  if (slots[0] < 0 || slots[1] < 0) return Status::kNotFound;
+  if (position.raw() < 0 || heading.raw() < 0 || LandmarkDim != 3) return Status::kInvalidArgument;
+  end_rest();
+  const auto sigma = [&](FixedVariance variance) {
+    const FixedRoot root = square_root(variance.raw(), FixedVariance::kFractionBits);
+    return wide::scale(root.mantissa, kBits - root.bits, saturations_);
   };
-  motion_.clear();
-  motion_.widen(bounded(larger, position), bounded(turn, heading), saturations_);
-  return before;
-}
-
-template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::put_back(const Placement& before) {
-  if (kWorld) return;
-  move_pose(before.pose);
-  motion_ = before.waiting_noise;
-}
-
-template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-bool FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::recentre() {
-  constexpr FixedVariance kMost_m = FixedVariance::nearest(0.1);
-  constexpr std::int64_t kNear = std::int64_t{1} << 40;  // 1 m^2
-  if (kWorld || !initialised_) return false;
-  const std::int64_t x[2] = {vehicle(0).raw(), vehicle(1).raw()};
-  const std::int64_t squared = wide::add(x[0] * x[0], x[1] * x[1], saturations_);
-  if (squared <= kNear) return false;
-  const FixedRoot distance = square_root(squared, 2 * FixedLength::kFractionBits);
-  const FixedVariance turn = error_covariance(saturations_).heading;
-  if (wide::multiply(turn.raw(), distance.mantissa, distance.bits, saturations_) <= kMost_m.raw()) {
-    return false;
-  }
-  move_anchor();
-  return true;
-}
-
-/// An error of the heading turns about the vehicle from now on: xi becomes xi + J x e.
-template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::move_anchor() {
-  const FixedLength by[2] = {-vehicle(1), vehicle(0)};
-  shear(1, by);
-  for (int slot = 0; slot < slots_.size(); ++slot) {
-    shear(state_of(slot), by);
-    for (int axis = 0; axis < 2; ++axis) {
-      p_[slot][axis] = subtract(p_[slot][axis], x_[axis], saturations_);
-    }
-  }
-  detail::FixedMotionNoise shared;
-  shared.start(shared_);
-  shared_ = shared.about(-vehicle(0), -vehicle(1), saturations_);
-  for (int axis = 0; axis < 2; ++axis) {
-    anchor_[axis] = add(anchor_[axis], x_[axis], saturations_);
-    x_[axis] = FixedCoordinate();
-  }
-}
-
-/// Adds `by` times the heading's error to two states.
-template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-void FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::shear(int first,
-                                                              const FixedLength (&by)[2]) {
-  constexpr int kGrowth = 2;  // the two parts of an element may add up
-  const std::int64_t heading = factor_.at(0, 0);
-  const int bits = factor_.bits(0) + FixedLength::kFractionBits;
-  for (int axis = 0; axis < 2; ++axis) {
-    const std::int64_t part = heading * by[axis].raw();
-    const int length = wide::bit_length(wide::magnitude(part));
-    if (factor_.make_room(first + axis, 2 * (length - bits), saturations_, kGrowth)) {
-      factor_.add(first + axis, 0, part, bits, saturations_);
-    }
-  }
+  using Frame = detail::FixedMapFrame<State>;
+  std::int64_t noise[Frame::kNoiseColumns][Frame::kNoiseStates];
+  int states[Frame::kNoiseStates];
+  Frame(state_, slots[0], slots[1])
+      .noise(sigma(position), sigma(heading), noise, states, saturations_);
+  errors_.add_noise(noise, states, kBits, saturations_);
+  return Status::kOk;
 }
 
 }  // namespace cairn

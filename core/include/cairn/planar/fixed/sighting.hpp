@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/planar/fixed/covariance3.hpp"
 #include "cairn/planar/fixed/types.hpp"
 
 namespace cairn::detail {
@@ -13,6 +14,9 @@ struct FixedSighting {
   FixedRatio sine;
   FixedOffset innovation[2];
   FixedOffset sigma[2];  ///< above 0
+
+  /// Its noise, along the direction and across it, in the world's axes.
+  FixedCholesky3 noise() const;
 };
 
 /// Axes of the vehicle in the world.

@@ -17,6 +17,9 @@ using FixedOffset = Fixed<std::int32_t, 24>;      ///< m, +-128
 using FixedVariance = Fixed<std::int64_t, 44>;    ///< m^2, m rad, rad^2, up to 524288
 using FixedScore = Fixed<std::int32_t, 16>;       ///< squared Mahalanobis distance, up to 32768
 
+/// Error of the states: GroupErrorModel's or WorldErrorModel's.
+enum class FixedError : std::uint8_t { kGroup, kWorld };
+
 /// Pose in the world, as PlanarPose.
 struct FixedPose {
   FixedCoordinate x;
@@ -125,6 +128,14 @@ struct FixedPlanarParameters {
   FixedRansacParameters ransac;
   FixedScore ransac_threshold = kInlier;
   FixedScore rescue_gate = kRescue;
+
+  bool valid() const {
+    return gate.raw() > 0 && reacquire_after >= 0 && reacquire_steps >= 0 &&
+           reacquire_steps <= 20 && reacquire_position.raw() >= 0 && reacquire_heading.raw() >= 0 &&
+           reacquire_landmark_after >= 1 && reacquire_landmark.raw() >= 0 && replace_after >= 0 &&
+           rest_sigmas.raw() >= 0 && tilt.valid() && ransac.valid() && ransac_threshold.raw() > 0 &&
+           rescue_gate.raw() > 0;
+  }
 
  private:
   static constexpr FixedScore kGate = FixedScore::nearest(13.82);
