@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """No class of the core has more private member functions than a reader holds in mind: what has more is several parts.
 
-usage: check_class_size.py LIMIT FOLDER [--also LIMIT FOLDER]...
-Prints the classes with most, and fails where one has more than LIMIT. Overloads count each. --also: a folder inside,
-with a limit of its own. A limit that no class reaches is too high, and fails.
+usage: check_class_size.py LIMIT FOLDER
+Prints the classes with most, and fails where one has more than LIMIT. Overloads count each. A limit that no class
+reaches is too high, and fails.
 """
 import pathlib
 import re
@@ -94,31 +94,17 @@ def sizes(folder):
     return sorted(found, key=lambda row: (-row[0], row[1], str(row[2])))
 
 
-def limits(arguments):
-    """[(limit, folder)], the outer folder first; None for arguments of another form."""
-    if len(arguments) % 3 != 2 or any(word != "--also" for word in arguments[2::3]):
-        return None
-    pairs = list(zip(arguments[0::3], arguments[1::3]))
-    if not all(limit.isdigit() and pathlib.Path(folder).is_dir() for limit, folder in pairs):
-        return None
-    return [(int(limit), pathlib.Path(folder)) for limit, folder in pairs]
-
-
 def main(arguments):
-    given = limits(arguments)
-    found = sizes(given[0][1]) if given else []
+    usable = len(arguments) == 2 and arguments[0].isdigit() and pathlib.Path(arguments[1]).is_dir()
+    found = sizes(arguments[1]) if usable else []
     if not found:
-        print(__doc__ if given is None else f"no class in {given[0][1]}", file=sys.stderr)
+        print(f"no class in {arguments[1]}" if usable else __doc__, file=sys.stderr)
         return 2
-    faults, most = [], [0] * len(given)
-    for count, name, path in found:
-        which = max(k for k, (_, folder) in enumerate(given) if k == 0 or folder in path.parents)
-        most[which] = max(most[which], count)
-        if count > given[which][0]:
-            faults.append(f"{path}: {name} has {count} private member functions, at most {given[which][0]}: "
-                          "make it of parts")
-    faults += [f"{folder}: no class has more than {reached}: lower its limit of {limit}"
-               for (limit, folder), reached in zip(given, most) if reached < limit]
+    limit = int(arguments[0])
+    faults = [f"{path}: {name} has {count} private member functions, at most {limit}: make it of parts"
+              for count, name, path in found if count > limit]
+    if found[0][0] < limit:
+        faults.append(f"no class has more than {found[0][0]}: lower the limit of {limit}")
     for count, name, path in found[:10]:
         print(f"{count:3} {name} ({path})")
     print("\n".join([*faults, f"{len(found)} classes, {len(faults)} faults"]))
