@@ -3,12 +3,27 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "cairn/numeric/random.hpp"
 #include "cairn/planar/fixed/fixed_group_slam.hpp"
 #include "cairn/planar/group_iekf_slam.hpp"
 
 namespace cairn::planar_test {
+
+using RingLandmark = std::pair<LandmarkId, Vector2<double>>;
+
+/// Twelve landmarks about a drive that starts at (3, -4).
+inline std::array<RingLandmark, 12> ring() {
+  std::array<RingLandmark, 12> landmarks;
+  for (int i = 0; i < 12; ++i) {
+    const double angle = 0.5 * i;
+    landmarks[static_cast<std::size_t>(i)] = {
+        static_cast<LandmarkId>(i + 1),
+        Vector2<double>(3.0 + (6.0 + 0.3 * i) * std::cos(angle), 2.0 + 6.0 * std::sin(angle))};
+  }
+  return landmarks;
+}
 
 /// A drive past landmarks that the filter without floating point and its like in double share: both
 /// get the same numbers, those that fit the formats.

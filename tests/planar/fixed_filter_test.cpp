@@ -1,5 +1,3 @@
-#include <utility>
-
 #include <gtest/gtest.h>
 
 #include "fixed_drive.hpp"
@@ -8,28 +6,6 @@ namespace cairn {
 namespace {
 
 using Drive = planar_test::FixedDrive<16>;
-using Landmark = std::pair<LandmarkId, Vector2<double>>;
-
-constexpr double kSameMean = 2e-5;        // m, rad
-constexpr double kSameCovariance = 2e-6;  // of the deviations
-
-std::array<Landmark, 12> ring() {
-  std::array<Landmark, 12> landmarks;
-  for (int i = 0; i < 12; ++i) {
-    const double angle = 0.5 * i;
-    landmarks[static_cast<std::size_t>(i)] = {
-        static_cast<LandmarkId>(i + 1),
-        Vector2<double>(3.0 + (6.0 + 0.3 * i) * std::cos(angle), 2.0 + 6.0 * std::sin(angle))};
-  }
-  return landmarks;
-}
-
-void expect_equal(const Drive& drive) {
-  ASSERT_TRUE(drive.good());
-  EXPECT_LT(drive.mean_difference(), kSameMean);
-  EXPECT_LT(drive.covariance_difference(), kSameCovariance);
-}
-
 /// Along an axis the noise across it is below the step of its format.
 TEST(FixedMotionNoise, ColumnsGiveTheCovarianceOfADriveNearlyAlongAnAxis) {
   for (int k = 0; k < 400; ++k) {
@@ -58,88 +34,6 @@ TEST(FixedMotionNoise, ColumnsGiveTheCovarianceOfADriveNearlyAlongAnAxis) {
     ASSERT_NEAR(covariance(1, 1), 1.6e-5 * sine * sine, 1e-12) << off;
     ASSERT_EQ(saturations, 0U);
   }
-}
-
-TEST(FixedFilter, EqualsDoubleWithPointsOfCorrelatedNoise) {
-  Drive drive(1);
-  const auto landmarks = ring();
-  for (int k = 0; k < 240; ++k) {
-    drive.move(0.1, 0.03, IncrementModel::kEuler);
-    const auto& [id, position] = landmarks[static_cast<std::size_t>(k % 12)];
-    drive.see_point(id, position);
-    if (k % 60 == 59) expect_equal(drive);
-  }
-  EXPECT_EQ(drive.fixed().landmark_count(), 12);
-  EXPECT_EQ(drive.fixed().saturations(), 0U);
-}
-
-TEST(FixedFilter, EqualsDoubleWithRangesAndBearings) {
-  Drive drive(2);
-  const auto landmarks = ring();
-  for (const auto& [id, position] : landmarks) drive.see_point(id, position);
-  for (int k = 0; k < 120; ++k) {
-    drive.move(0.1, 0.05, IncrementModel::kExactArc);
-    drive.move(0.05, -0.02, IncrementModel::kExactArc);
-    drive.see_ranges(landmarks, 0.3);
-  }
-  expect_equal(drive);
-  for (int slot = 0; slot < 12; ++slot) {
-    FixedRangeBearingPrediction fixed;
-    RangeBearingPrediction<double> expected;
-    ASSERT_TRUE(ok(drive.fixed().predict_range_bearing(slot, FixedLength::nearest(0.3),
-                                                       FixedLength::nearest(0.1),
-                                                       FixedAngle::nearest(0.02), fixed)));
-    ASSERT_TRUE(ok(drive.reference().predict_range_bearing(slot, 0.3, 0.1, 0.02, expected)));
-    EXPECT_NEAR(fixed.range.to_double(), expected.range, kSameMean);
-    EXPECT_NEAR(fixed.bearing.to_double(), expected.bearing, kSameMean);
-    EXPECT_NEAR(fixed.range_variance.to_double(), expected.covariance(0, 0), 1e-6);
-    EXPECT_NEAR(fixed.range_bearing.to_double(), expected.covariance(0, 1), 1e-6);
-    EXPECT_NEAR(fixed.bearing_variance.to_double(), expected.covariance(1, 1), 1e-6);
-  }
-}
-
-TEST(FixedFilter, EqualsDoubleWhereLandmarksComeAndGo) {
-  Drive drive(3);
-  const auto landmarks = ring();
-  for (int k = 0; k < 300; ++k) {
-    drive.move(0.1, 0.04, IncrementModel::kEuler);
-    const auto& [id, position] = landmarks[static_cast<std::size_t>(5 * k % 12)];
-    drive.see_point(id, position);
-    if (k % 7 != 6) continue;
-    const LandmarkId gone = landmarks[static_cast<std::size_t>(k % 12)].first;
-    const int slot = drive.fixed().find(gone);
-    if (slot < 0) continue;
-    ASSERT_TRUE(ok(drive.fixed().remove_landmark(slot)));
-    ASSERT_TRUE(ok(drive.reference().remove_landmark(drive.reference().find(gone))));
-  }
-  expect_equal(drive);
-}
-
-TEST(FixedFilter, RestsWhereDoubleRests) {
-  Drive drive(4, 13.82);
-  const auto landmarks = ring();
-  for (const auto& [id, position] : landmarks) drive.see_point(id, position);
-  for (int k = 0; k < 60; ++k) {
-    const bool rests = k % 20 > 8;
-    drive.move(rests ? 0.0 : 0.1, rests ? 0.0 : 0.02, IncrementModel::kEuler);
-    drive.see_ranges(landmarks, 0.0);
-    ASSERT_TRUE(drive.good()) << k;
-  }
-  expect_equal(drive);
-}
-
-TEST(FixedFilter, WidensAfterLastingRefusalsAsDouble) {
-  Drive drive(5, 13.82);
-  const auto landmarks = ring();
-  for (const auto& [id, position] : landmarks) drive.see_point(id, position);
-  for (int k = 0; k < 60; ++k) {
-    drive.move(0.1, 0.02, IncrementModel::kEuler);
-    drive.see_ranges(landmarks, 0.0, k > 5 ? 0.4 : 0.0);
-  }
-  ASSERT_TRUE(drive.good());
-  EXPECT_GT(drive.fixed().health().reacquisitions, 0U);
-  EXPECT_EQ(drive.fixed().health().reacquisitions, drive.reference().health().reacquisitions);
-  expect_equal(drive);
 }
 
 /// A road with a post on each side every 10 m, the last 14 of them in the map.
@@ -229,7 +123,7 @@ TEST(FixedFilter, RefusesWhatItCannotUseAndStaysAsItWas) {
 /// No noise, and noise far better than the map: the factor stays what it is.
 TEST(FixedFilter, SurvivesExactOdometryAndExactSightings) {
   Drive drive(7);
-  const auto landmarks = ring();
+  const auto landmarks = planar_test::ring();
   for (const auto& [id, position] : landmarks) drive.see_point(id, position);
   FixedGroupSlam<16>& filter = drive.fixed();
   FixedIncrement step;
