@@ -99,6 +99,28 @@ TEST(WindowTracker, IsLostInTheDarkAndBeginsAnewWithoutALibrary) {
   EXPECT_GT(run.tracker->pose_covariance()(4, 4), before) << "the turn in the dark is not known";
 }
 
+/// Its first frame is exact in it, whatever was known in the old one; the attitude is relative to the
+/// first camera, and the turn in the dark is not known.
+TEST(WindowTracker, ANewMapsPoseHasACovarianceOfItsOwn) {
+  Tracker::Parameters parameters;
+  parameters.memory.min_library = 1000;
+  Walk run(parameters);
+  for (int k = 0; k < 14; ++k) run.show(walls(k));
+  const Matrix<float, 6, 6> before = run.tracker->pose_covariance();
+  ASSERT_GT(before(0, 0), 0.0F);
+  constexpr int kDark = 10;
+  for (int k = 0; k < kDark; ++k) run.show(Image(walls(0).size(), 0));
+  ASSERT_EQ(run.tracker->window().keyframes(), 0);
+  run.show(walls(14));
+  ASSERT_EQ(run.tracker->window().keyframes(), 1);
+  const Matrix<float, 6, 6>& after = run.tracker->pose_covariance();
+  EXPECT_EQ((after.topLeftCorner<3, 3>().norm()), 0.0F);
+  const float blind_s = 1e-6F * static_cast<float>(kDark * kStepUs);
+  for (int axis = 3; axis < 6; ++axis) {
+    EXPECT_GT(after(axis, axis), square(parameters.blind_rate_radps * blind_s));
+  }
+}
+
 /// The picture with noise of a camera, another one each time.
 Image noisy(const Image& image, std::uint32_t seed) {
   Image out = image;

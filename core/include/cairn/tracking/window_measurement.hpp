@@ -74,6 +74,11 @@ class WindowMeasurement {
   void note_agreement(FrameContext& frame, Features& features) const;
   /// The same: half of the inliers have a depth that is known, or enough of them the library's.
   bool depths_hold(const Features& features, const Window& window) const;
+  /// A new map begins with the frame, whose pose is exact in it.
+  void begin_anew() {
+    exposures_.forget_motion();
+    covariance_.setZero();
+  }
   /// The pose found becomes that of the frame.
   void expose(const CameraTrack& track, const Rigid<float>& pose) {
     exposures_.expose(track.movement_to(pose));

@@ -90,7 +90,7 @@ bool WindowTracker<Config>::begin_anew(FrameContext& frame) {
   follow_focal();
   features_.clear();
   track_.forget_motion();
-  measurement_.exposures().forget_motion();
+  measurement_.begin_anew();
   track_.stand_at(track_.pose());
   weak_frames_ = 0;
   static_cast<void>(make_keyframe(frame, true));
