@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/estimation/candidates_first.hpp"
 #include "cairn/estimation/one_point_ransac.hpp"
 #include "cairn/numeric/positive_definite.hpp"
 #include "cairn/numeric/random.hpp"
@@ -53,7 +54,7 @@ class PixelUpdate {
     }
 
     move_to_hypothesis(best.candidate);
-    const int low = relinearise(inliers_first(best.inliers));
+    const int low = relinearise(flagged_first(filter_.observations_, best.inliers, candidates_));
     report_.low_innovation = low;
     filter_.apply_update(0, low, report_, true);
     const int high = rescue(low);
@@ -200,35 +201,14 @@ class PixelUpdate {
     }
   }
 
-  /// Moves the inliers to the front of observations_; the number of them.
-  int inliers_first(const bool* inliers) {
-    int count = 0;
-    for (int k = 0; k < candidates_; ++k) {
-      if (inliers[k]) swap_observations(k, count++);
-    }
-    return count;
-  }
-
-  void swap_observations(int a, int b) {
-    const Linearised moved = filter_.observations_[a];
-    filter_.observations_[a] = filter_.observations_[b];
-    filter_.observations_[b] = moved;
-  }
-
   /// Linearises observations_[0 .. count) at the mean as it is now. Those that have no pixel there
   /// go to the end; the number of the others.
   int relinearise(int count) {
     look();
-    int k = 0;
-    while (k < count) {
+    return good_first(filter_.observations_, count, [this](Linearised& observation) {
       RelativeCovariance<T> covariance;
-      if (linearise(filter_.observations_[k], covariance)) {
-        ++k;
-      } else {
-        swap_observations(k, --count);
-      }
-    }
-    return count;
+      return linearise(observation, covariance);
+    });
   }
 
   /// Linearises the candidates from `first` on at the corrected state and keeps, from `first` on,

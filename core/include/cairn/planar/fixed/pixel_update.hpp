@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/estimation/candidates_first.hpp"
 #include "cairn/estimation/one_point_ransac.hpp"
 #include "cairn/planar/fixed/consensus.hpp"
 #include "cairn/planar/fixed/fixed_planar_slam.hpp"
@@ -54,7 +55,7 @@ class FixedPixelUpdate {
       return Status::kNoConsensus;
     }
     move_to_hypothesis(best.candidate);
-    const int low = relinearise(inliers_first(best.inliers));
+    const int low = relinearise(flagged_first(filter_.pixels_, best.inliers, candidates_));
     report_.low_innovation = low;
     filter_.apply(filter_.pixels_, low, report_, true);
     const int high = rescue(low);
@@ -171,33 +172,12 @@ class FixedPixelUpdate {
     correction.negate(filter_.state_size());
   }
 
-  /// Moves the inliers to the front of pixels_; the number of them.
-  int inliers_first(const bool* inliers) {
-    int count = 0;
-    for (int k = 0; k < candidates_; ++k) {
-      if (inliers[k]) exchange(k, count++);
-    }
-    return count;
-  }
-  void exchange(int a, int b) {
-    const Sighting moved = filter_.pixels_[a];
-    filter_.pixels_[a] = filter_.pixels_[b];
-    filter_.pixels_[b] = moved;
-  }
-
   /// Linearises pixels_[0 .. count) at the mean as it is now. Those that have no pixel there go to
   /// the end; the number of the others.
   int relinearise(int count) {
     const PixelModel model = look();
-    int k = 0;
-    while (k < count) {
-      if (linearise(model, filter_.pixels_[k])) {
-        ++k;
-      } else {
-        exchange(k, --count);
-      }
-    }
-    return count;
+    return good_first(filter_.pixels_, count,
+                      [&](Sighting& sighting) { return linearise(model, sighting); });
   }
 
   /// Linearises the candidates from `first` on at the corrected state and keeps, from `first` on,
