@@ -39,4 +39,20 @@ struct VisiblePiece {
 };
 using VisiblePieces = FixedVector<VisiblePiece, kMaxVisiblePieces>;
 
+/// Adds what is left of the edges of a part: of each its `pieces`, and whether some of it was
+/// `cut`.
+template <class EdgeView>
+void add_visible(int part, const EdgeView* edges, int count, VisiblePieces& visible,
+                 DrawReport& report) {
+  for (int e = 0; e < count; ++e) {
+    report.edges += edges[e].pieces.empty() && !edges[e].cut ? 0 : 1;
+    report.cut += edges[e].cut ? 1 : 0;
+    for (const EdgePiece& piece : edges[e].pieces) {
+      const VisiblePiece next = {static_cast<std::uint8_t>(part), static_cast<std::uint8_t>(e),
+                                 piece};
+      if (!visible.push_back(next)) ++report.left_out;
+    }
+  }
+}
+
 }  // namespace cairn::detail

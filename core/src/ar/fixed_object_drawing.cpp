@@ -1,12 +1,14 @@
 #include "cairn/ar/fixed_object_drawing.hpp"
 
 #include "fixed_visibility.hpp"
+#include "line_passes.hpp"
 
 namespace cairn {
 namespace {
 
 using Count = std::uint32_t;
 using detail::kWholeEdge;
+using detail::LinePass;
 using detail::ObjectScene;
 using detail::Point;
 using detail::share_of;
@@ -16,13 +18,8 @@ using detail::VisiblePieces;
 /// Everything that drawing a segment needs.
 struct Canvas {
   const FixedCamera& camera;
-  const DrawStyle& style;
-  const MutableImageView& image;
   std::int32_t near;
-  bool halo;
-  int segments;
-  int pixels;
-  int left_out;
+  LinePass& pass;
 };
 
 /// from + share (to - from).
@@ -51,16 +48,7 @@ bool see(const Canvas& canvas, const Point& p, std::int32_t& x_q8, std::int32_t&
 }
 
 void draw_piece(Canvas& canvas, const LineQ8& line) {
-  if (canvas.pixels >= canvas.style.max_pixels) {
-    ++canvas.left_out;
-    return;
-  }
-  const int width = canvas.halo ? canvas.style.halo_width_q8 : canvas.style.line_width_q8;
-  const std::uint8_t grey = canvas.halo ? canvas.style.halo_grey : canvas.style.line_grey;
-  const int pixels = draw_line_in_integers(canvas.image, line, width, grey);
-  if (pixels == 0) return;
-  ++canvas.segments;
-  canvas.pixels += pixels;
+  if (canvas.pass.has_room()) canvas.pass.draw(line, draw_line_in_integers);
 }
 
 /// Into how many straight pieces an edge is cut, as draw_object() does: none is off the bent line
@@ -122,8 +110,7 @@ void draw_segment(Canvas& canvas, Point a, Point b) {
   }
 }
 
-/// One pass over the object: halos or lines.
-void draw_pass(const ObjectScene& scene, const VisiblePieces& visible, Canvas& canvas) {
+void draw_pieces(const ObjectScene& scene, const VisiblePieces& visible, Canvas& canvas) {
   for (const VisiblePiece& seen : visible) {
     const ConvexPart::Edge& edge = scene.object.parts[seen.part].edges[seen.edge];
     const Point& a = scene.vertices[seen.part][edge.a];
@@ -163,15 +150,12 @@ Status draw_object_in_integers(const VirtualObject& object, const Rigid<float>& 
   VisiblePieces visible;
   detail::find_visible_pieces(scene, R_camera_object, visible, result);
   const std::int32_t nearest = (near < kLeastDepth ? kLeastDepth : near).raw();
-  for (int pass = style.halo_width_q8 > 0 ? 0 : 1; pass < 2; ++pass) {
-    Canvas canvas{camera, style, image, nearest, pass == 0, 0, 0, 0};
-    draw_pass(scene, visible, canvas);
-    result.segments += canvas.segments;
-    result.pixels += canvas.pixels;
-    result.left_out += canvas.left_out;
-  }
+  const Status status = detail::draw_passes(style, image, result, [&](LinePass& pass) {
+    Canvas canvas = {camera, nearest, pass};
+    draw_pieces(scene, visible, canvas);
+  });
   report = result;
-  return result.pixels > 0 ? Status::kOk : Status::kOutOfView;
+  return status;
 }
 
 }  // namespace cairn

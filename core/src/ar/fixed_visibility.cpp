@@ -203,15 +203,7 @@ void find_visible_pieces(ObjectScene& scene, const FixedRotation& R_camera_objec
   EdgeView edges[ConvexPart::kMaxEdges];
   for (int p = 0; p < parts; ++p) {
     find_visible_edges(scene, p, shadow, edges);
-    for (int e = 0; e < scene.object.parts[p].edges.size(); ++e) {
-      report.edges += edges[e].pieces.empty() && !edges[e].cut ? 0 : 1;
-      report.cut += edges[e].cut ? 1 : 0;
-      for (const EdgePiece& piece : edges[e].pieces) {
-        const VisiblePiece seen = {static_cast<std::uint8_t>(p), static_cast<std::uint8_t>(e),
-                                   piece};
-        if (!visible.push_back(seen)) ++report.left_out;
-      }
-    }
+    add_visible(p, edges, scene.object.parts[p].edges.size(), visible, report);
   }
   Count none = 0;
   for (int p = 0; p < parts; ++p) {

@@ -1,12 +1,14 @@
 #include "cairn/ar/object_drawing.hpp"
 
 #include "edge_pieces.hpp"
+#include "line_passes.hpp"
 
 namespace cairn {
 namespace {
 
 using detail::EdgePiece;
 using detail::EdgePieces;
+using detail::LinePass;
 using detail::VisiblePiece;
 using detail::VisiblePieces;
 
@@ -103,31 +105,17 @@ float from_share(std::uint16_t share) {
 /// Everything that drawing a segment needs.
 struct Canvas {
   const PinholeCamera<float>& camera;
-  Rigid<float> T_camera_object;
-  const DrawStyle& style;
-  const MutableImageView& image;
-  bool halo;
-  int segments;
-  int pixels;
-  int left_out;
+  const Rigid<float>& T_camera_object;
+  LinePass& pass;
 };
 
 /// Draws one straight piece between two pixels.
 void draw_piece(Canvas& canvas, const Vector2<float>& from, const Vector2<float>& to) {
-  if (canvas.pixels >= canvas.style.max_pixels) {
-    ++canvas.left_out;
-    return;
-  }
+  if (!canvas.pass.has_room()) return;
   const float ends[] = {from.x(), from.y(), to.x(), to.y()};
   std::int32_t q8[4];
   for (int k = 0; k < 4; ++k) q8[k] = round_to_int(clamp(ends[k], -1e6F, 1e6F) * 256.0F);
-  const LineQ8 line{q8[0], q8[1], q8[2], q8[3]};
-  const int width = canvas.halo ? canvas.style.halo_width_q8 : canvas.style.line_width_q8;
-  const std::uint8_t grey = canvas.halo ? canvas.style.halo_grey : canvas.style.line_grey;
-  const int pixels = draw_line(canvas.image, line, width, grey);
-  if (pixels == 0) return;
-  ++canvas.segments;
-  canvas.pixels += pixels;
+  canvas.pass.draw({q8[0], q8[1], q8[2], q8[3]}, draw_line);
 }
 
 /// Distance of `p` from the straight line through `a` and `b`, in px; of `a` where both are one.
@@ -163,8 +151,8 @@ int count_pieces(const PinholeCamera<float>& camera, const Vector3<float>& a,
 void draw_segment(Canvas& canvas, const Vector3<float>& a_object, const Vector3<float>& b_object) {
   Vector3<float> a = canvas.T_camera_object * a_object;
   Vector3<float> b = canvas.T_camera_object * b_object;
-  const float near = canvas.style.near_m > PinholeCamera<float>::kMinDepth
-                         ? canvas.style.near_m
+  const float near = canvas.pass.style.near_m > PinholeCamera<float>::kMinDepth
+                         ? canvas.pass.style.near_m
                          : PinholeCamera<float>::kMinDepth;
   if (a.z() < near && b.z() < near) return;
   if (a.z() < near || b.z() < near) {
@@ -220,14 +208,7 @@ void find_visible_pieces(const VirtualObject& object, const Vector3<float>& eye,
   for (int p = 0; p < object.parts.size(); ++p) {
     EdgeView edges[ConvexPart::kMaxEdges];
     find_visible_edges(object, p, eye, edges);
-    for (int e = 0; e < object.parts[p].edges.size(); ++e) {
-      report.edges += edges[e].pieces.empty() && !edges[e].cut ? 0 : 1;
-      report.cut += edges[e].cut ? 1 : 0;
-      for (const EdgePiece& piece : edges[e].pieces) {
-        const VisiblePiece next{static_cast<std::uint8_t>(p), static_cast<std::uint8_t>(e), piece};
-        if (!visible.push_back(next)) ++report.left_out;
-      }
-    }
+    add_visible(p, edges, object.parts[p].edges.size(), visible, report);
   }
 }
 
@@ -260,15 +241,12 @@ Status draw_object(const VirtualObject& object, const Rigid<float>& T_world_obje
   DrawReport result;
   VisiblePieces visible;
   find_visible_pieces(object, eye, visible, result);
-  for (int pass = style.halo_width_q8 > 0 ? 0 : 1; pass < 2; ++pass) {
-    Canvas canvas{camera, T_camera_object, style, image, pass == 0, 0, 0, 0};
+  const Status status = detail::draw_passes(style, image, result, [&](LinePass& pass) {
+    Canvas canvas = {camera, T_camera_object, pass};
     draw_pieces(object, visible, canvas);
-    result.segments += canvas.segments;
-    result.pixels += canvas.pixels;
-    result.left_out += canvas.left_out;
-  }
+  });
   report = result;
-  return result.pixels > 0 ? Status::kOk : Status::kOutOfView;
+  return status;
 }
 
 }  // namespace cairn
