@@ -6,6 +6,17 @@
 
 namespace cairn::host {
 
+/// Adds the landmarks of a library that `holds` does not say to be held elsewhere.
+template <class Library, class Holds>
+void add_library(const Library& library, const Holds& holds, std::vector<MapLandmark>& all) {
+  for (int slot = 0; slot < library.size(); ++slot) {
+    const auto& landmark = library[slot];
+    if (holds(landmark.id)) continue;
+    all.push_back({landmark.id, landmark.p_map.template cast<double>(),
+                   landmark.covariance.template cast<double>(), false});
+  }
+}
+
 /// A vehicle tracker's landmarks, those of its filter and those that are in the library alone, all
 /// in the map's frame. `Core`: VehicleTracker.
 template <class Core>
@@ -20,13 +31,8 @@ std::vector<MapLandmark> landmarks_in_map(const Core& core) {
     all.push_back({filter.landmark_id(slot), p_map.template cast<double>(),
                    covariance.template cast<double>(), true});
   }
-  const auto& library = core.library();
-  for (int slot = 0; slot < library.size(); ++slot) {
-    const auto& landmark = library[slot];
-    if (filter.find(landmark.id) >= 0) continue;
-    all.push_back({landmark.id, landmark.p_map.template cast<double>(),
-                   landmark.covariance.template cast<double>(), false});
-  }
+  add_library(
+      core.library(), [&](LandmarkId id) { return filter.find(id) >= 0; }, all);
   return all;
 }
 

@@ -5,25 +5,21 @@
 #include "cairn/runtime/replay.hpp"
 #include "cairn/tracking/gyro_yaw.hpp"
 
-#include "host_sim/base/core_conversions.hpp"
-#include "host_sim/io/input_error.hpp"
 #include "host_sim/replay/core_trackers.hpp"
-#include "host_sim/replay/scene_objects.hpp"
-#include "host_sim/trackers/host_ticks.hpp"
+#include "host_sim/trackers/core_adapter.hpp"
 #include "host_sim/trackers/input_log_file.hpp"
 #include "host_sim/trackers/landmark_list.hpp"
-#include "host_sim/trackers/state_hash.hpp"
 
 namespace cairn::host {
 namespace {
 
 template <class Config, class Filter>
-class VehicleAdapter : public Tracker {
+class VehicleAdapter : public CoreAdapter<VehicleTracker<Config, Filter>> {
  public:
   using Core = VehicleTracker<Config, Filter>;
 
   VehicleAdapter(const TrackerOptions& options, const SourceInfo& source)
-      : core_(std::make_unique<Core>()),
+      : CoreAdapter<Core>(kVehicleObjectHeight),
         header_(to_log_header(options, source, 0)),
         work_limit_(options.work_limit),
         filter_name_(options.filter),
@@ -31,20 +27,6 @@ class VehicleAdapter : public Tracker {
     if (source.gyro) use_gyro(*source.gyro);
     start(0);
   }
-
-  VehicleAdapter(const VehicleAdapter& other)
-      : Tracker(other),
-        core_(std::make_unique<Core>(*other.core_)),
-        gyro_(other.gyro_),
-        with_gyro_(other.with_gyro_),
-        wheels_sigma_(other.wheels_sigma_),
-        header_(other.header_),
-        work_limit_(other.work_limit_),
-        objects_(other.objects_),
-        filter_name_(other.filter_name_),
-        source_name_(other.source_name_),
-        started_(other.started_) {}
-  VehicleAdapter& operator=(const VehicleAdapter&) = delete;
 
   Status process(const Frame& frame, cv::Mat& overlay, FrameReport& report) override {
     if (!started_) {
@@ -60,58 +42,51 @@ class VehicleAdapter : public Tracker {
       // A refused sample is counted in Health; the frame is tracked all the same.
       static_cast<void>(add_odometry(with_gyro_ ? gyro_.replace(sample, wheels_sigma_) : sample));
     }
-    const Status status =
-        core_->process_frame(to_view(frame.grey), frame.t_us, host_ticks(), report);
-    report.status = status;
-    if (report.t_us == frame.t_us) {
-      objects_.draw(*core_, to_mutable_view(overlay), host_ticks(), report);
-    }
-    return status;
+    return this->process_frame(frame, overlay, report);
   }
 
-  Status add_odometry(const OdometrySample& sample) override { return core_->add_odometry(sample); }
-  Status set_work_limit(int units) override { return core_->set_work_limit(units); }
+  Status add_odometry(const OdometrySample& sample) override {
+    return this->core().add_odometry(sample);
+  }
   std::unique_ptr<Tracker> clone() const override {
     return std::make_unique<VehicleAdapter>(*this);
   }
-  std::uint64_t state_hash() const override { return hash_of_state(*core_); }
 
-  std::vector<MapLandmark> landmarks() const override { return landmarks_in_map(*core_); }
+  std::vector<MapLandmark> landmarks() const override { return landmarks_in_map(this->core()); }
 
   std::vector<LandmarkId> measured() const override {
     std::vector<LandmarkId> ids;
-    for (const TrackedLandmark& landmark : core_->frames().landmarks()) {
+    for (const TrackedLandmark& landmark : this->core().frames().landmarks()) {
       if (landmark.searched && landmark.misses == 0) ids.push_back(landmark.id);
     }
     return ids;
   }
-  int library_size() const override { return core_->library().size(); }
-
   int landmark_capacity() const override { return Core::kMaxLandmarks; }
-  Health health() const override { return core_->health(); }
 
   std::optional<PlanarPoseEstimate> vehicle_pose() const override {
-    const PlanarPose<float> pose = core_->filter().pose();
+    const PlanarPose<float> pose = this->core().filter().pose();
     PlanarPoseEstimate estimate;
     estimate.x_m = static_cast<double>(pose.position.x());
     estimate.y_m = static_cast<double>(pose.position.y());
     estimate.theta_rad = static_cast<double>(pose.heading);
-    estimate.covariance = core_->pose_covariance().template cast<double>();
-    estimate.filter_covariance = core_->filter().pose_covariance().template cast<double>();
-    estimate.map_covariance = core_->map_pose_covariance().template cast<double>();
-    estimate.in_map_covariance = core_->covariance_in_map().template cast<double>();
+    estimate.covariance = this->core().pose_covariance().template cast<double>();
+    estimate.filter_covariance = this->core().filter().pose_covariance().template cast<double>();
+    estimate.map_covariance = this->core().map_pose_covariance().template cast<double>();
+    estimate.in_map_covariance = this->core().covariance_in_map().template cast<double>();
     return estimate;
   }
   std::optional<Matrix3<double>> position_covariance() const override {
     Matrix3<double> covariance = Matrix3<double>::Zero();
-    covariance.topLeftCorner<2, 2>() =
-        core_->filter().pose_covariance().template topLeftCorner<2, 2>().template cast<double>();
+    covariance.topLeftCorner<2, 2>() = this->core()
+                                           .filter()
+                                           .pose_covariance()
+                                           .template topLeftCorner<2, 2>()
+                                           .template cast<double>();
     return covariance;
   }
-  std::optional<MountOffset> mount_offset() const override { return core_->mount_offset(); }
-  std::optional<GroundCheck> ground() const override { return core_->ground(); }
-  std::optional<YawCheck> yaw() const override { return core_->yaw(); }
-  const Augmenter* objects() const override { return &objects_.augmenter(); }
+  std::optional<MountOffset> mount_offset() const override { return this->core().mount_offset(); }
+  std::optional<GroundCheck> ground() const override { return this->core().ground(); }
+  std::optional<YawCheck> yaw() const override { return this->core().yaw(); }
 
   nlohmann::json description() const override {
     return {{"mode", "vehicle"},
@@ -133,21 +108,19 @@ class VehicleAdapter : public Tracker {
   /// As a replay of the run's log starts.
   void start(std::int64_t t_us) {
     header_.start_t_us = t_us;
-    const Status status = start_replay(header_, *core_);
+    const Status status = start_replay(header_, this->core());
     if (!ok(status)) {
       throw InputError(source_name_, fmt::format("camera, mounting or odometry noise refused: {}",
                                                  to_string(status)));
     }
-    if (work_limit_) static_cast<void>(core_->set_work_limit(*work_limit_));
+    if (work_limit_) static_cast<void>(this->core().set_work_limit(*work_limit_));
   }
 
-  std::unique_ptr<Core> core_;
   GyroYaw gyro_;
   bool with_gyro_ = false;
   float wheels_sigma_ = 0.0F;  ///< of the wheels' own yaw rate, rad/s a sample
   InputLogHeader header_;
   std::optional<int> work_limit_;
-  SceneObjects objects_{kVehicleObjectHeight};
   std::string filter_name_;
   std::string source_name_;
   bool started_ = false;
@@ -173,12 +146,8 @@ std::unique_ptr<Tracker> make_with_config(const TrackerOptions& options, const S
 
 std::unique_ptr<Tracker> make_vehicle_tracker(const TrackerOptions& options,
                                               const SourceInfo& source) {
-  const PinholeCamera<double>& camera = source.camera;
-  if (camera.width <= DefaultConfig::kMaxImageWidth &&
-      camera.height <= DefaultConfig::kMaxImageHeight) {
-    return make_with_config<DefaultConfig>(options, source);
-  }
-  return make_with_config<LargeConfig>(options, source);
+  return with_config_for(
+      source, [&](auto config) { return make_with_config<decltype(config)>(options, source); });
 }
 
 }  // namespace cairn::host
