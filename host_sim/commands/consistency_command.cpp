@@ -1,17 +1,16 @@
 #include "host_sim/commands/consistency_command.hpp"
 
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "cairn/numeric/math.hpp"
 
 #include "host_sim/commands/option_checks.hpp"
+#include "host_sim/commands/progress.hpp"
 #include "host_sim/experiments/consistency/experiment_files.hpp"
 #include "host_sim/experiments/consistency/filter.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -85,13 +84,7 @@ void run(const ConsistencyOptions& options, const std::string& command_line) {
   const ExperimentConfig config = make_config(options);
   check_filters(config.filters);
   make_folder(options.out);
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  const ExperimentResult result = run_experiment(config, [terminal](int done, int total) {
-    if (!terminal) return;
-    fmt::print(stderr, "\rrun {} of {} ({:.0f} %)", done, total, 100.0 * done / total);
-    std::fflush(stderr);
-  });
-  if (terminal) fmt::print(stderr, "\r{:40}\r", "");
+  const ExperimentResult result = run_experiment(config, show_runs);
   PartialResult part = make_partial("consistency", configuration_json(result.config), config.shard);
   part.pieces[config.shard.index] = sums_of(result);
   conclude_or_leave(part, {options.out, command_line, options.pictures}, conclude_consistency);

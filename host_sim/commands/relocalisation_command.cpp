@@ -1,12 +1,10 @@
 #include "host_sim/commands/relocalisation_command.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include <fmt/format.h>
@@ -14,6 +12,7 @@
 
 #include "host_sim/base/statistics.hpp"
 #include "host_sim/commands/option_checks.hpp"
+#include "host_sim/commands/progress.hpp"
 #include "host_sim/experiments/relocalisation/cut.hpp"
 #include "host_sim/experiments/relocalisation/kidnap.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -168,6 +167,29 @@ nlohmann::json summary_of(const PartialResult& whole, const Conclusion& conclusi
           {"compiler", build_info().compiler}};
 }
 
+/// Writes the trials and their summary, with a row for each kind and length. `print_row` prints
+/// one; whether it holds.
+template <class Trial, class Kinds, class PrintRow>
+ExitCode conclude_trials(const PartialResult& whole, const Conclusion& conclusion, const char* name,
+                         const Kinds& kinds, const PrintRow& print_row) {
+  const auto trials = trials_of<Trial>(whole);
+  write_trials(conclusion.out, trials);
+  nlohmann::json summary = summary_of(whole, conclusion);
+  summary[name] = nlohmann::json::array();
+  bool holds = true;
+  for (const auto kind : kinds) {
+    for (const int length : whole.settings.at("lengths").get<std::vector<int>>()) {
+      const nlohmann::json row = summarise(trials, kind, length);
+      holds = print_row(row) && holds;
+      summary[name].push_back(row);
+    }
+  }
+  summary["holds"] = holds;
+  write_json(conclusion.out / "summary.json", summary);
+  fmt::print("results in {}\n", conclusion.out.string());
+  return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
+}
+
 /// Hand-held trials on a recording. They hold where no recovery is false and every loss is said:
 /// how many recover depends on whether the camera returns to what it has mapped.
 ExitCode run_cut(const RelocalisationOptions& options, const std::string& command_line) {
@@ -195,31 +217,19 @@ ExitCode run_cut(const RelocalisationOptions& options, const std::string& comman
 }
 
 ExitCode conclude_cut(const PartialResult& whole, const Conclusion& conclusion) {
-  const auto trials = trials_of<CutTrial>(whole);
-  write_trials(conclusion.out, trials);
-  nlohmann::json summary = summary_of(whole, conclusion);
-  summary["cut"] = nlohmann::json::array();
-  bool holds = true;
   fmt::print("{:<8} {:>6} {:>7} {:>11} {:>12} {:>6} {:>18} {:>15} {:>15}\n", "kind", "blind",
              "trials", "seen again", "back in 2 s", "false", "loss not reported", "median error m",
              "undisturbed m");
-  for (const CutKind kind : kCutKinds) {
-    for (const int length : whole.settings.at("lengths").get<std::vector<int>>()) {
-      const nlohmann::json row = summarise(trials, kind, length);
-      holds = holds && row["false_recoveries"] == 0 && row["loss_not_reported"] == 0;
-      fmt::print("{:<8} {:>6} {:>7} {:>11} {:>12} {:>6} {:>18} {:>15} {:>15}\n",
-                 row["kind"].get<std::string>(), length, row["trials"].get<int>(),
-                 row["seen_again"].get<int>(), row["recovered_in_2_s"].get<int>(),
-                 row["false_recoveries"].get<int>(), row["loss_not_reported"].get<int>(),
-                 row["median_error_m"].dump().substr(0, 6),
-                 row["median_undisturbed_error_m"].dump().substr(0, 6));
-      summary["cut"].push_back(row);
-    }
-  }
-  summary["holds"] = holds;
-  write_json(conclusion.out / "summary.json", summary);
-  fmt::print("results in {}\n", conclusion.out.string());
-  return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
+  const auto print_row = [](const nlohmann::json& row) {
+    fmt::print("{:<8} {:>6} {:>7} {:>11} {:>12} {:>6} {:>18} {:>15} {:>15}\n",
+               row["kind"].get<std::string>(), row["frames_blind"].get<int>(),
+               row["trials"].get<int>(), row["seen_again"].get<int>(),
+               row["recovered_in_2_s"].get<int>(), row["false_recoveries"].get<int>(),
+               row["loss_not_reported"].get<int>(), row["median_error_m"].dump().substr(0, 6),
+               row["median_undisturbed_error_m"].dump().substr(0, 6));
+    return row["false_recoveries"] == 0 && row["loss_not_reported"] == 0;
+  };
+  return conclude_trials<CutTrial>(whole, conclusion, "cut", kCutKinds, print_row);
 }
 
 ExitCode run_kidnapped(RelocalisationOptions options, const std::string& command_line) {
@@ -237,45 +247,30 @@ ExitCode run_kidnapped(RelocalisationOptions options, const std::string& command
                                      {"first_frame", options.kidnap.first_frame},
                                      {"last_frame", options.kidnap.last_frame}},
                                     options.shard);
-  const bool terminal = isatty(STDERR_FILENO) != 0;
   add_pieces(run_kidnap_trials(options.kidnap, options.shard,
-                               [terminal](int done, int total) {
-                                 if (!terminal || done % 10 != 0) return;
-                                 fmt::print(stderr, "\rframe {} of {}", done, total);
-                                 std::fflush(stderr);
+                               [](int done, int total) {
+                                 if (done % 10 == 0 || done == total)
+                                   show_progress("frame", done, total);
                                }),
              part);
-  if (terminal) fmt::print(stderr, "\r{:40}\r", "");
   return conclude_or_leave(part, {options.out, command_line}, conclude_relocalisation);
 }
 
 ExitCode conclude_kidnapped(const PartialResult& whole, const Conclusion& conclusion) {
-  const auto trials = trials_of<KidnapTrial>(whole);
-  write_trials(conclusion.out, trials);
-  nlohmann::json summary = summary_of(whole, conclusion);
-  summary["kidnapped"] = nlohmann::json::array();
-  bool holds = true;
+  constexpr KidnapKind kKinds[] = {KidnapKind::kBlack, KidnapKind::kOtherPlace};
   fmt::print("{:<12} {:>6} {:>7} {:>14} {:>6} {:>14} {:>11} {:>14} {:>11}\n", "kind", "blind",
              "trials", "back in 2 s", "false", "overconfident", "by library", "median frames",
              "worst m");
-  for (const KidnapKind kind : {KidnapKind::kBlack, KidnapKind::kOtherPlace}) {
-    for (const int length : whole.settings.at("lengths").get<std::vector<int>>()) {
-      const nlohmann::json row = summarise(trials, kind, length);
-      const int count = row["trials"];
-      holds = holds && row["false_recoveries"] == 0 &&
-              100 * row["recovered_in_2_s"].get<int>() >= 95 * count;
-      fmt::print("{:<12} {:>6} {:>7} {:>14} {:>6} {:>14} {:>11} {:>14} {:>11.2f}\n",
-                 to_string(kind), length, count, row["recovered_in_2_s"].get<int>(),
-                 row["false_recoveries"].get<int>(), row["outside_own_3_sigma"].get<int>(),
-                 row["by_library"].get<int>(), row["median_frames"].dump(),
-                 row["worst_error_m"].get<double>());
-      summary["kidnapped"].push_back(row);
-    }
-  }
-  summary["holds"] = holds;
-  write_json(conclusion.out / "summary.json", summary);
-  fmt::print("results in {}\n", conclusion.out.string());
-  return holds ? ExitCode::kOk : ExitCode::kCheckFailed;
+  const auto print_row = [](const nlohmann::json& row) {
+    const int count = row["trials"];
+    fmt::print("{:<12} {:>6} {:>7} {:>14} {:>6} {:>14} {:>11} {:>14} {:>11.2f}\n",
+               row["kind"].get<std::string>(), row["frames_blind"].get<int>(), count,
+               row["recovered_in_2_s"].get<int>(), row["false_recoveries"].get<int>(),
+               row["outside_own_3_sigma"].get<int>(), row["by_library"].get<int>(),
+               row["median_frames"].dump(), row["worst_error_m"].get<double>());
+    return row["false_recoveries"] == 0 && 100 * row["recovered_in_2_s"].get<int>() >= 95 * count;
+  };
+  return conclude_trials<KidnapTrial>(whole, conclusion, "kidnapped", kKinds, print_row);
 }
 
 }  // namespace

@@ -1,14 +1,13 @@
 #include "host_sim/commands/robustness_command.hpp"
 
-#include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <unistd.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "host_sim/commands/option_checks.hpp"
+#include "host_sim/commands/progress.hpp"
 #include "host_sim/commands/run_kinds.hpp"
 #include "host_sim/commands/source_options.hpp"
 #include "host_sim/experiments/robustness/robustness_files.hpp"
@@ -48,13 +47,6 @@ RobustnessSettings settings_of(const RobustnessArguments& arguments) {
   return settings;
 }
 
-void show_progress(int done, int total) {
-  if (isatty(STDERR_FILENO) == 0) return;
-  fmt::print(stderr, "\rrun {} of {}", done, total);
-  if (done == total) fmt::print(stderr, "\r{:40}\r", "");
-  std::fflush(stderr);
-}
-
 /// What the figures depend on beside the recordings.
 nlohmann::json settings_json(const RobustnessArguments& arguments,
                              const RobustnessSettings& settings) {
@@ -88,8 +80,8 @@ ExitCode run(const RobustnessArguments& arguments) {
     RunOptions options = arguments.run;
     options.source = arguments.sources[i];
     options.use_source = [&](FrameSource& opened) {
-      const RobustnessResult result = measure_robustness(
-          options.source, opened.info(), read_frames(opened), settings, show_progress);
+      const RobustnessResult result = measure_robustness(options.source, opened.info(),
+                                                         read_frames(opened), settings, show_runs);
       add_pieces(result, static_cast<int>(i), first, part);
       first += result.windows_of_all_shards;
     };

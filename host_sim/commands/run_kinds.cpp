@@ -6,7 +6,7 @@
 
 #include "host_sim/commands/source_of_path.hpp"
 #include "host_sim/commands/suggestion.hpp"
-#include "host_sim/commands/video_run.hpp"
+#include "host_sim/commands/video_kinds.hpp"
 #include "host_sim/io/input_error.hpp"
 #include "host_sim/recorded/recorded_kinds.hpp"
 #include "host_sim/recorded/starry_night.hpp"

@@ -1,15 +1,14 @@
 #include "host_sim/commands/turntable_command.hpp"
 
 #include <charconv>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
-#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "host_sim/commands/option_checks.hpp"
+#include "host_sim/commands/progress.hpp"
 #include "host_sim/experiments/turntable/rendered_turntable.hpp"
 #include "host_sim/experiments/turntable/turntable_files.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -104,16 +103,9 @@ void add_pieces(const std::vector<TurntableCell>& cells, const Shard& shard, Par
 ExitCode run(const TurntableOptions& options, const std::string& command_line) {
   const TurntableConfig config = make_config(options);
   make_folder(options.out);
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  const auto progress = [terminal](int done, int total) {
-    if (!terminal) return;
-    fmt::print(stderr, "\rrun {} of {} ({:.0f} %)", done, total, 100.0 * done / total);
-    std::fflush(stderr);
-  };
   const std::vector<TurntableCell> cells =
-      options.points ? run_turntable(config, progress)
-                     : run_rendered_turntable(config, options.measurement, progress);
-  if (terminal) fmt::print(stderr, "\r{:40}\r", "");
+      options.points ? run_turntable(config, show_runs)
+                     : run_rendered_turntable(config, options.measurement, show_runs);
   PartialResult part =
       make_partial("turntable", settings_json(options, config, cells), options.shard);
   add_pieces(cells, options.shard, part);

@@ -2,6 +2,7 @@
 
 #include "host_sim/io/output_file.hpp"
 #include "host_sim/reports/run_outputs.hpp"
+#include "host_sim/reports/run_summary.hpp"
 
 namespace cairn::host {
 

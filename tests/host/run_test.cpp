@@ -11,6 +11,8 @@
 #include "host_sim/reports/report.py.hpp"
 #include "host_sim/reports/run_folder.hpp"
 #include "host_sim/reports/run_outputs.hpp"
+#include "host_sim/reports/run_summary.hpp"
+#include "host_sim/reports/run_trajectory.hpp"
 #include "host_sim/running/runner.hpp"
 #include "host_sim/sources/hall_source.hpp"
 #include "host_sim/world/gaussian.hpp"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "host_sim/base/names.hpp"
-#include "host_sim/reports/run_outputs.hpp"
+#include "host_sim/reports/run_summary.hpp"
 
 namespace cairn::host {
 namespace {
