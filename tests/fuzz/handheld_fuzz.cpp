@@ -17,28 +17,11 @@ class Run : TrackerRun<Tracker> {
   void usual_frame() { show_next(); }
 
   void step(Input& input) {
-    switch (input.below(7)) {
-      case 0:
-      case 1:
-        usual_frame();
-        break;
-      case 2:
-        frame_ = input.below(kPictures);
-        usual_frame();
-        break;
-      case 3:
-        show_odd(input);
-        break;
-      case 4:
-        leap(input);
-        usual_frame();
-        break;
-      case 5:
-        change_limit(input, 14000);
-        break;
-      case 6:
-        input.flag() ? load_changed_map(tracker_, input) : restart(input);
-        break;
+    const int kind = input.below(kVideoSteps + 1);
+    if (kind < kVideoSteps) {
+      video_step(kind, input);
+    } else {
+      input.flag() ? load_changed_map(tracker_, input) : restart(input);
     }
     check();
   }

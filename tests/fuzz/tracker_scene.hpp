@@ -208,6 +208,15 @@ class TrackerRun {
     const int at = frame_++ % (2 * kPictures - 2);
     show(picture(at < kPictures ? at : 2 * kPictures - 2 - at));
   }
+  /// The `kind`-th of kVideoSteps that pictures alone allow.
+  static constexpr int kVideoSteps = 6;
+  void video_step(int kind, Input& input) {
+    if (kind == 2) frame_ = input.below(kPictures);
+    if (kind == 3) return show_odd(input);
+    if (kind == 4) leap(input);
+    if (kind == 5) return change_limit(input, 14000);
+    show_next();
+  }
   void show_odd(Input& input) {
     const OddPicture odd(input);
     if (input.flag()) t_us_ = later(t_us_, kFrameUs);

@@ -18,34 +18,19 @@ class Run : TrackerRun<Tracker> {
   void usual_frame() { show_next(); }
 
   void step(Input& input) {
-    switch (input.below(9)) {
+    const int kind = input.below(kVideoSteps + 3);
+    switch (kind - kVideoSteps) {
       case 0:
-      case 1:
-        usual_frame();
-        break;
-      case 2:
-        frame_ = input.below(kPictures);
-        usual_frame();
-        break;
-      case 3:
-        show_odd(input);
-        break;
-      case 4:
-        leap(input);
-        usual_frame();
-        break;
-      case 5:
-        change_limit(input, 14000);
-        break;
-      case 6:
         wild_sample(input);
         break;
-      case 7:
+      case 1:
         usual_samples(input);
         break;
-      case 8:
+      case 2:
         restart(input);
         break;
+      default:
+        video_step(kind, input);
     }
     check();
   }
