@@ -1,5 +1,7 @@
 #include "cairn/geometry/fixed_camera.hpp"
 
+#include "cairn/numeric/reciprocal.hpp"
+
 namespace cairn {
 
 Status FixedCamera::check_numbers() const {
@@ -107,33 +109,6 @@ bool distort(const FixedCamera& camera, FixedTangent a, FixedTangent b, Distorti
 
 }  // namespace
 
-/// 1 / value, of which dividing many by one number is made: no division of 64 bits.
-class Reciprocal {
- public:
-  /// Domain: 0 < value.
-  explicit Reciprocal(std::int32_t value) {
-    const int length = wide::bit_length(static_cast<std::uint64_t>(value));
-    const auto z = static_cast<std::uint32_t>(value) << (32 - length);  // 2^31 to 2^32
-    // Its inverse from 1 to 2, to 16 bits and by a step of Newton's method, y (2 - z y).
-    const std::uint32_t first = (UINT32_MAX / (z >> 16U)) << 14U;
-    const auto product = static_cast<std::uint32_t>((std::uint64_t{z} * first) >> 32U);
-    const std::uint32_t factor = (1U << 31U) - product;
-    inverse_ = static_cast<std::uint32_t>((std::uint64_t{first} * factor) >> 30U);
-    bits_ = 30 + length;
-  }
-  /// x / value with `fraction` bits, an error of a few 2^-29 of it.
-  std::int64_t times(std::int32_t x, int fraction) const {
-    const std::int64_t product = std::int64_t{x} * inverse_;
-    const int shift = bits_ - fraction;
-    return shift >= 0 ? wide::round_shift(product, shift < 63 ? shift : 63)
-                      : product * (std::int64_t{1} << -shift);
-  }
-
- private:
-  std::uint32_t inverse_ = 0;
-  int bits_ = 0;
-};
-
 /// False: too near, or more than 76 degrees from the axis.
 bool is_ahead(const FixedLength (&p_camera)[3]) {
   constexpr FixedLength kLeastDepth = FixedLength::nearest(0.05);
@@ -167,13 +142,8 @@ bool project_point(const FixedCamera& camera, const FixedLength (&p_camera)[3],
   return true;
 }
 
-bool project(const FixedCamera& camera, const FixedLength (&p_camera)[3], FixedProjection& out,
-             Count& saturations) {
-  const FixedLength z = p_camera[2];
-  if (!is_ahead(p_camera)) return false;
-  Count none = 0;
-  const auto a = divide<FixedTangent>(p_camera[0], z, none);
-  const auto b = divide<FixedTangent>(p_camera[1], z, none);
+bool project_ray(const FixedCamera& camera, FixedTangent a, FixedTangent b, FixedProjection& out,
+                 Count& saturations) {
   Distortion d;
   if (!distort(camera, a, b, d, saturations)) return false;
   out.pixel[0] = add(multiply<FixedPixel>(camera.fx, d.x, saturations), camera.cx, saturations);
@@ -185,6 +155,15 @@ bool project(const FixedCamera& camera, const FixedLength (&p_camera)[3], FixedP
         -add(times(rows[i][0], a, saturations), times(rows[i][1], b, saturations), saturations);
   }
   return true;
+}
+
+bool project(const FixedCamera& camera, const FixedLength (&p_camera)[3], FixedProjection& out,
+             Count& saturations) {
+  if (!is_ahead(p_camera)) return false;
+  Count none = 0;
+  const auto a = divide<FixedTangent>(p_camera[0], p_camera[2], none);
+  const auto b = divide<FixedTangent>(p_camera[1], p_camera[2], none);
+  return project_ray(camera, a, b, out, saturations);
 }
 
 }  // namespace detail

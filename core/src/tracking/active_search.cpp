@@ -96,17 +96,11 @@ bool align(const ImageView& image, const Appearance& appearance, const PatchWarp
   return true;
 }
 
-/// A point without a descriptor can be found by its patch alone.
-bool by_patch(const Appearance& appearance, const SearchParameters& parameters) {
-  const bool wanted = parameters.method == SearchMethod::kPatch || !appearance.has_descriptor;
-  return wanted && appearance.has_patch;
-}
-
 }  // namespace
 
 int most_search_work(const PixelPrediction<float>& prediction, const Appearance& appearance,
                      const SearchParameters& parameters) {
-  if (by_patch(appearance, parameters)) {
+  if (is_searched_by_patch(appearance, parameters)) {
     return patch_search_work(prediction, parameters.patch);
   }
   Ellipse ellipse;
@@ -123,7 +117,7 @@ Status search_landmark(const ImageView& image, const PixelPrediction<float>& pre
   report.work = work::kSearchItself;
   PatchWarp patch_warp;
   if (!to_patch_warp(warp, patch_warp)) return Status::kOutOfView;
-  if (by_patch(appearance, parameters)) {
+  if (is_searched_by_patch(appearance, parameters)) {
     report.work = patch_search_work(prediction, parameters.patch);
     return search_patch(image, prediction, appearance.patch, patch_warp, parameters.patch, pixel);
   }

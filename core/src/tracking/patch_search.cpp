@@ -2,8 +2,10 @@
 
 #include <cstring>
 
+#include "cairn/numeric/float_bits.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/tracking/fixed_patch_window.hpp"
 #include "cairn/tracking/work_budget.hpp"
 #include "cairn/vision/detail/patch_rows.hpp"
 #include "cairn/vision/detail/word_dsp.hpp"
@@ -169,27 +171,89 @@ bool fits(const ImageView& image, int x, int y) {
   return x >= kMargin && y >= kMargin && x < image.width - kMargin && y < image.height - kMargin;
 }
 
+/// What the search asks of a window.
+struct FloatPlaces {
+  const PatchWindow& window;
+
+  int middle_x() const { return round_to_int(window.centre.x()); }
+  int middle_y() const { return round_to_int(window.centre.y()); }
+  int half_x() const { return window.half_x; }
+  int half_y() const { return window.half_y; }
+  int places() const { return window.places; }
+  bool columns(int y, int& first, int& last) const { return row_in_window(window, y, first, last); }
+  bool contains(int x, int y) const {
+    return window.contains(static_cast<float>(x), static_cast<float>(y));
+  }
+  bool contains_q8(int x_q8, int y_q8) const {
+    return window.contains(static_cast<float>(x_q8) / 256.0F, static_cast<float>(y_q8) / 256.0F);
+  }
+};
+struct FixedPlaces : FixedPatchWindow {
+  static bool contains(int /*x*/, int /*y*/) { return true; }
+};
+
 /// The best of every second pixel of every second row of the window.
-Best search_coarsely(const ImageView& image, const PatchWindow& window, const Template& t) {
-  const int u = round_to_int(window.centre.x());
-  const int v = round_to_int(window.centre.y());
+template <class Window>
+Best search_coarsely(const ImageView& image, const Window& window, const Template& t) {
+  const int u = window.middle_x();
+  const int v = window.middle_y();
   Best best;
   int tried = 0;
-  for (int y = v - window.half_y; y <= v + window.half_y; y += 2) {
+  for (int y = v - window.half_y(); y <= v + window.half_y(); y += 2) {
     int first = 0;
     int last = 0;
-    if (!row_in_window(window, y, first, last)) continue;
-    int x = u - window.half_x;
-    if (first > x) x += (first - x) & ~1;
-    if (last > u + window.half_x) last = u + window.half_x;
-    for (; x <= last && tried < window.places; x += 2) {
-      if (!window.contains(static_cast<float>(x), static_cast<float>(y))) continue;
+    if (!window.columns(y, first, last)) continue;
+    int x = u - window.half_x();
+    if (first > x) x += (first - x + 1) & ~1;
+    if (last > u + window.half_x()) last = u + window.half_x();
+    for (; x <= last && tried < window.places(); x += 2) {
+      if (!window.contains(x, y)) continue;
       if (!fits(image, x, y)) continue;
       ++tried;
       try_at<2>(image, x, y, t, best);
     }
   }
   return best;
+}
+
+struct PlaceQ8 {
+  int x = 0;
+  int y = 0;
+};
+
+template <class Window>
+Status find_patch(const ImageView& image, const Window& window, const Patch& patch,
+                  const PatchWarp& warp, const PatchSearchParameters& parameters, PlaceQ8& found) {
+  Template t;
+  if (!make_template(patch, warp, t)) return Status::kDegenerate;
+
+  const Best coarse = search_coarsely(image, window, t);
+  if (coarse.score == 0) return Status::kNotFound;
+  Best best;
+  for (int y = coarse.y - 1; y <= coarse.y + 1; ++y) {
+    for (int x = coarse.x - 1; x <= coarse.x + 1; ++x) {
+      if (!fits(image, x, y)) continue;
+      try_at<1>(image, x, y, t, best);
+    }
+  }
+  const std::int64_t wanted =
+      static_cast<std::int64_t>(parameters.min_correlation_q10) * parameters.min_correlation_q10;
+  if ((best.score << 20) < wanted * t.spread) return Status::kNotFound;
+
+  found = {best.x * 256, best.y * 256};
+  PatchAlignment alignment;
+  if (!ok(align_patch(image, patch, warp, found.x, found.y, alignment))) return Status::kNotFound;
+  if (!alignment.converged || alignment.correlation < parameters.min_aligned_q10 ||
+      !window.contains_q8(found.x, found.y)) {
+    return Status::kNotFound;
+  }
+  return Status::kOk;
+}
+
+int work_of(int places) {
+  constexpr int kItself = 8 + work::kAlignment;
+  constexpr int kPlacesPerUnit = 3;
+  return kItself + places / kPlacesPerUnit;
 }
 
 int half_window(float gate, float variance, int limit) {
@@ -227,11 +291,13 @@ bool make_patch_window(const PixelPrediction<float>& prediction,
 
 int patch_search_work(const PixelPrediction<float>& prediction,
                       const PatchSearchParameters& parameters) {
-  constexpr int kItself = 8 + work::kAlignment;
-  constexpr int kPlacesPerUnit = 3;
   PatchWindow window;
   if (!make_patch_window(prediction, parameters, window)) return work::kPatchWindow;
-  return kItself + window.places / kPlacesPerUnit;
+  return work_of(window.places);
+}
+
+int patch_search_work(const FixedPatchWindow& window) {
+  return work_of(window.places());
 }
 
 Status search_patch(const ImageView& image, const PixelPrediction<float>& prediction,
@@ -239,33 +305,25 @@ Status search_patch(const ImageView& image, const PixelPrediction<float>& predic
                     const PatchSearchParameters& parameters, Vector2<float>& pixel) {
   PatchWindow window;
   if (!make_patch_window(prediction, parameters, window)) return Status::kSingular;
-  Template t;
-  if (!make_template(patch, warp, t)) return Status::kDegenerate;
-
-  const Best coarse = search_coarsely(image, window, t);
-  if (coarse.score == 0) return Status::kNotFound;
-  Best best;
-  for (int y = coarse.y - 1; y <= coarse.y + 1; ++y) {
-    for (int x = coarse.x - 1; x <= coarse.x + 1; ++x) {
-      if (!fits(image, x, y)) continue;
-      try_at<1>(image, x, y, t, best);
-    }
+  PlaceQ8 found;
+  const Status status = find_patch(image, FloatPlaces{window}, patch, warp, parameters, found);
+  if (ok(status)) {
+    pixel =
+        Vector2<float>(static_cast<float>(found.x) / 256.0F, static_cast<float>(found.y) / 256.0F);
   }
-  const std::int64_t wanted =
-      static_cast<std::int64_t>(parameters.min_correlation_q10) * parameters.min_correlation_q10;
-  if ((best.score << 20) < wanted * t.spread) return Status::kNotFound;
+  return status;
+}
 
-  int x_q8 = best.x * 256;
-  int y_q8 = best.y * 256;
-  PatchAlignment alignment;
-  if (!ok(align_patch(image, patch, warp, x_q8, y_q8, alignment))) return Status::kNotFound;
-  const Vector2<float> found(static_cast<float>(x_q8) / 256.0F, static_cast<float>(y_q8) / 256.0F);
-  if (!alignment.converged || alignment.correlation < parameters.min_aligned_q10 ||
-      !window.contains(found.x(), found.y())) {
-    return Status::kNotFound;
+Status search_patch(const ImageView& image, const FixedPatchWindow& window, const Patch& patch,
+                    const PatchWarp& warp, const PatchSearchParameters& parameters,
+                    Vector2<float>& pixel) {
+  PlaceQ8 found;
+  const Status status = find_patch(image, FixedPlaces{window}, patch, warp, parameters, found);
+  if (ok(status)) {
+    using Q8 = Fixed<std::int32_t, 8>;
+    pixel = Vector2<float>(float_of(Q8::from_raw(found.x)), float_of(Q8::from_raw(found.y)));
   }
-  pixel = found;
-  return Status::kOk;
+  return status;
 }
 
 }  // namespace cairn

@@ -80,6 +80,11 @@ struct FixedProjection {
 bool project(const FixedCamera& camera, const FixedLength (&p_camera)[3], FixedProjection& out,
              std::uint32_t& saturations);
 
+/// Of a point by the tangents of its ray, whose third component is 1. False where the distortion
+/// leaves its range.
+bool project_ray(const FixedCamera& camera, FixedTangent a, FixedTangent b, FixedProjection& out,
+                 std::uint32_t& saturations);
+
 /// The pixel alone, of any point of the camera frame.
 bool project_point(const FixedCamera& camera, const FixedLength (&p_camera)[3],
                    FixedPixel (&pixel)[2], std::uint32_t& saturations);

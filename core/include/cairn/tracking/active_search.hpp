@@ -67,7 +67,14 @@ inline constexpr int kLandmarkSearch =
 
 }  // namespace work
 
-/// The same for one prediction and its window. Cost: two square roots.
+/// Whether it is search_patch() that looks for a landmark: a point without a descriptor can be
+/// found by its patch alone.
+inline bool is_searched_by_patch(const Appearance& appearance, const SearchParameters& parameters) {
+  const bool wanted = parameters.method == SearchMethod::kPatch || !appearance.has_descriptor;
+  return wanted && appearance.has_patch;
+}
+
+/// The most that search_landmark() takes for one prediction and its window. Cost: two square roots.
 int most_search_work(const PixelPrediction<float>& prediction, const Appearance& appearance,
                      const SearchParameters& parameters);
 

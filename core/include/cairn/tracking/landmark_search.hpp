@@ -29,28 +29,68 @@ struct PlannedSearch {
   int most_work = 0;  ///< units that the search may take
 };
 
+/// How the landmarks of a filter are seen and searched in one picture, in float; filters in fixed
+/// point have another (fixed_landmark_sight.hpp). The filter must offer size(), id(slot),
+/// predict(slot, prediction), camera() and T_world_camera().
+template <class Filter>
+class LandmarkSight {
+ public:
+  using Planned = PlannedSearch;
+  using Warp = Matrix2<float>;
+
+  explicit LandmarkSight(const Filter& filter)
+      : filter_(filter), camera_(filter.camera()), T_world_camera_(filter.T_world_camera()) {}
+
+  /// False for a landmark out of view.
+  bool plan(int slot, Planned& entry) const {
+    if (!ok(filter_.predict(slot, entry.prediction)) ||
+        !camera_.contains(entry.prediction.pixel, 2.0F)) {
+      return false;
+    }
+    const Matrix2<float>& s = entry.prediction.covariance;
+    entry.priority = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
+    return true;
+  }
+  int most_work(const Planned& entry, const Appearance& appearance,
+                const SearchParameters& parameters) const {
+    return most_search_work(entry.prediction, appearance, parameters);
+  }
+  bool predict(const Planned& entry, const Appearance& appearance, Warp& warp) const {
+    return ok(predict_warp(camera_, appearance.T_world_reference, T_world_camera_,
+                           entry.prediction.p_camera, warp));
+  }
+  Status search(const ImageView& image, const Planned& entry, const Appearance& appearance,
+                const Warp& warp, const SearchParameters& parameters, SearchScratch& scratch,
+                Vector2<float>& pixel, SearchReport& report) const {
+    return search_landmark(image, entry.prediction, appearance, warp, parameters, scratch, pixel,
+                           report);
+  }
+
+ private:
+  const Filter& filter_;
+  PinholeCamera<float> camera_;
+  Rigid<float> T_world_camera_;
+};
+
 /// The landmarks in view, the most uncertain first. Cost: one projection per landmark, an insertion
 /// sort of Capacity.
-template <class Filter, int Capacity>
-void plan_searches(const Filter& filter, SearchPass pass, TrackedLandmarks<Capacity>& landmarks,
-                   FixedVector<PlannedSearch, Capacity>& plan) {
-  const PinholeCamera<float> camera = filter.camera();
+template <class Filter, class Sight, int Capacity>
+void plan_searches(const Filter& filter, const Sight& sight, SearchPass pass,
+                   TrackedLandmarks<Capacity>& landmarks,
+                   FixedVector<typename Sight::Planned, Capacity>& plan) {
   for (int slot = 0; slot < filter.size(); ++slot) {
     TrackedLandmark* landmark = landmarks.find(filter.id(slot));
     if (landmark == nullptr || (pass == SearchPass::kRest && landmark->searched)) continue;
     landmark->searched = false;
-    PlannedSearch entry;
-    const bool visible =
-        ok(filter.predict(slot, entry.prediction)) && camera.contains(entry.prediction.pixel, 2.0F);
+    typename Sight::Planned entry;
+    const bool visible = sight.plan(slot, entry);
     if (pass == SearchPass::kAll) {
       landmark->frames_out_of_view = visible ? 0 : landmark->frames_out_of_view + 1;
     }
     if (!visible) continue;
-    const Matrix2<float>& s = entry.prediction.covariance;
-    entry.priority = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
     plan.push_back(entry);
     for (int i = plan.size() - 1; i > 0 && plan[i - 1].priority < plan[i].priority; --i) {
-      const PlannedSearch swapped = plan[i];
+      const typename Sight::Planned swapped = plan[i];
       plan[i] = plan[i - 1];
       plan[i - 1] = swapped;
     }
@@ -60,8 +100,6 @@ void plan_searches(const Filter& filter, SearchPass pass, TrackedLandmarks<Capac
 /// Searches the filter's landmarks that are in view, the most uncertain first, at most
 /// `max_searches` of them and no more than `budget` affords; where it does not suffice for all, in
 /// the order `when_cut`. The rest is counted as deferred; its S grows until it comes first.
-/// The filter must offer size(), id(slot), predict(slot, prediction), camera() and
-/// T_world_camera().
 ///
 /// Cost: plan_searches(), `max_searches` calls of search_landmark.
 template <class Filter, int Capacity>
@@ -70,38 +108,35 @@ void search_landmarks(const ImageView& image, const Filter& filter, SearchPass p
                       const SearchParameters& parameters, int max_searches, SearchScratch& scratch,
                       FixedVector<PixelMatch<float>, Capacity>& matches, SearchTotals& totals,
                       WorkBudget& budget) {
-  const PinholeCamera<float> camera = filter.camera();
-  FixedVector<PlannedSearch, Capacity> plan;
-  plan_searches(filter, pass, landmarks, plan);
+  using Sight = LandmarkSight<Filter>;
+  const Sight sight(filter);
+  FixedVector<typename Sight::Planned, Capacity> plan;
+  plan_searches(filter, sight, pass, landmarks, plan);
   int work_of_all = 0;
-  for (PlannedSearch& entry : plan) {
+  for (typename Sight::Planned& entry : plan) {
     const TrackedLandmark* landmark = landmarks.find(entry.prediction.id);
-    entry.most_work = most_search_work(entry.prediction, landmark->appearance, parameters);
+    entry.most_work = sight.most_work(entry, landmark->appearance, parameters);
     work_of_all += entry.most_work;
   }
   const bool backwards = when_cut == SearchOrder::kBestKnown && !budget.affords(work_of_all);
 
-  const Rigid<float> T_world_camera = filter.T_world_camera();
   for (int i = 0; i < plan.size(); ++i) {
-    const PlannedSearch& entry = plan[backwards ? plan.size() - 1 - i : i];
+    const typename Sight::Planned& entry = plan[backwards ? plan.size() - 1 - i : i];
     if (totals.searched >= max_searches || !budget.affords(entry.most_work)) {
       ++totals.deferred;
       continue;
     }
     TrackedLandmark* landmark = landmarks.find(entry.prediction.id);
-    Matrix2<float> warp;
-    if (!ok(predict_warp(camera, landmark->appearance.T_world_reference, T_world_camera,
-                         entry.prediction.p_camera, warp))) {
-      continue;
-    }
+    typename Sight::Warp warp;
+    if (!sight.predict(entry, landmark->appearance, warp)) continue;
     ++totals.searched;
     landmark->searched = true;
     ++landmark->predicted;
     ++landmark->misses;
     PixelMatch<float> match;
     SearchReport report;
-    const Status status = search_landmark(image, entry.prediction, landmark->appearance, warp,
-                                          parameters, scratch, match.pixel, report);
+    const Status status = sight.search(image, entry, landmark->appearance, warp, parameters,
+                                       scratch, match.pixel, report);
     budget.spend(report.work);
     totals.corners += report.corners;
     totals.corners_dropped += report.corners_dropped;

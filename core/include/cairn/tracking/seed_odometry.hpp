@@ -2,6 +2,7 @@
 
 #include "cairn/base/fixed_vector.hpp"
 #include "cairn/numeric/math.hpp"
+#include "cairn/tracking/appearance.hpp"
 #include "cairn/tracking/depth_filter.hpp"
 #include "cairn/tracking/seed.hpp"
 
@@ -16,6 +17,25 @@ class SeedOdometry {
  public:
   using Filter = DepthFilter<MaxKeyframes, MaxSeeds>;
   using Seeds = FixedVector<Seed, MaxSeeds>;
+  using Pose = Rigid<float>;
+
+  /// What the searches and corrections of a frame use.
+  struct View {
+    const PinholeCamera<float>* camera = nullptr;
+  };
+  /// Where to search a seed.
+  struct Search {
+    PixelPrediction<float> prediction;
+    PatchWarp warp;
+
+    int work(const PatchSearchParameters& parameters) const {
+      return patch_search_work(prediction, parameters);
+    }
+    Status find(const ImageView& image, const Patch& patch, const PatchSearchParameters& parameters,
+                Vector2<float>& pixel) const {
+      return search_patch(image, prediction, patch, warp, parameters, pixel);
+    }
+  };
 
   /// Where a seed is expected.
   struct Expected {
@@ -32,11 +52,10 @@ class SeedOdometry {
 
   bool has_pose() const { return has_pose_; }
   const Rigid<float>& T_pool_camera() const { return T_pool_camera_; }
-  const Rigid<float>& T_pool_keyframe(int slot) const { return keyframes_[slot].T_pool_camera; }
   LandmarkId keyframe_id(int slot) const { return keyframes_[slot].id; }
-  float variance(int seed) const { return filter_.variance(seed); }
-  Matrix2<float> innovation_covariance(const Expected& expected, float sigma_px) const {
-    return filter_.innovation_covariance(expected.residual, sigma_px);
+  float sigma_rho(int seed) const { return sqrt(filter_.variance(seed)); }
+  bool has_converged(int seed, float rho, float max_relative_sigma) const {
+    return !(sigma_rho(seed) > max_relative_sigma * rho);
   }
   Rigid<float> T_camera_first(const Seed& seed) const {
     return T_pool_camera_.inverse() * keyframes_[seed.keyframe].T_pool_camera;
@@ -50,6 +69,12 @@ class SeedOdometry {
     }
     T_odometry_last_ = T_odometry_camera;
     has_pose_ = true;
+  }
+  /// False for a camera that has no form here.
+  bool look(const PinholeCamera<float>& camera, const SeedParameters& /*parameters*/,
+            View& view) const {
+    view.camera = &camera;
+    return true;
   }
 
   /// Slot of a keyframe, or with kNoLandmark a free one; -1 where there is none.
@@ -69,7 +94,7 @@ class SeedOdometry {
     filter_.end_keyframe(slot);
   }
 
-  void begin_seed(int seed, float variance) { filter_.begin_seed(seed, variance); }
+  void begin_seed(int seed, float sigma_rho) { filter_.begin_seed(seed, square(sigma_rho)); }
   /// Removes a seed; the last one takes its place.
   void remove_seed(int seed, int last) {
     filter_.move_seed(last, seed);
@@ -79,11 +104,15 @@ class SeedOdometry {
   /// False where the seed is expected far outside the image.
   bool expect(const PinholeCamera<float>& camera, const SeedParameters& parameters,
               const Seeds& seeds, int i, Expected& expected) const;
+  /// The window that a seed's uncertain depth and the camera's rotation give. False where it is
+  /// expected far outside the image, or its patch cannot be seen.
+  bool plan(const View& view, const SeedParameters& parameters, const Seeds& seeds, int i,
+            Search& search) const;
 
   /// Corrects rotations and depths with the seeds `found` at `pixels`. The camera's rotation error
   /// is common to all residuals: those far from their median, compared with what the depth's sigma
   /// allows, are left out and no longer count as found.
-  void correct(const PinholeCamera<float>& camera, const SeedParameters& parameters, Seeds& seeds,
+  void correct(const View& view, const SeedParameters& parameters, Seeds& seeds,
                const Vector2<float>* pixels, bool* found);
 
  private:
@@ -137,9 +166,29 @@ bool SeedOdometry<MaxSeeds, MaxKeyframes>::expect(const PinholeCamera<float>& ca
 }
 
 template <int MaxSeeds, int MaxKeyframes>
-void SeedOdometry<MaxSeeds, MaxKeyframes>::correct(const PinholeCamera<float>& camera,
+bool SeedOdometry<MaxSeeds, MaxKeyframes>::plan(const View& view, const SeedParameters& parameters,
+                                                const Seeds& seeds, int i, Search& search) const {
+  const PinholeCamera<float>& camera = *view.camera;
+  Expected expected;
+  Matrix2<float> warp;
+  if (!expect(camera, parameters, seeds, i, expected) ||
+      !ok(predict_warp(camera, keyframes_[seeds[i].keyframe].T_pool_camera, T_pool_camera_,
+                       expected.p_camera, warp)) ||
+      !to_patch_warp(warp, search.warp)) {
+    return false;
+  }
+  search.prediction.pixel = expected.pixel;
+  search.prediction.covariance =
+      filter_.innovation_covariance(expected.residual, parameters.sigma_px);
+  search.prediction.p_camera = expected.p_camera;
+  return true;
+}
+
+template <int MaxSeeds, int MaxKeyframes>
+void SeedOdometry<MaxSeeds, MaxKeyframes>::correct(const View& view,
                                                    const SeedParameters& parameters, Seeds& seeds,
                                                    const Vector2<float>* pixels, bool* found) {
+  const PinholeCamera<float>& camera = *view.camera;
   Vector2<float> median;
   if (!median_residual(camera, parameters, seeds, pixels, found, median)) return;
   typename Filter::Correction correction;

@@ -8,11 +8,12 @@ namespace cairn {
 /// Bounded pool of seeds, followed by a visual odometry of its own (SeedOdometry): it works while
 /// the map is still empty and the heading only as good as the wheels'. Seeds begin at keyframes,
 /// which the caller names and keeps in its own state. Cost per frame: one patch search and one
-/// filter update a seed.
-template <int MaxSeeds, int MaxKeyframes>
+/// filter update a seed. `Odometry`: SeedOdometry, or FixedSeedOdometry without floating point.
+template <int MaxSeeds, int MaxKeyframes, class Odometry = SeedOdometry<MaxSeeds, MaxKeyframes>>
 class SeedPool {
  public:
   using Parameters = SeedParameters;
+  using Pose = typename Odometry::Pose;
 
   int size() const { return seeds_.size(); }
   bool full() const { return seeds_.full(); }
@@ -52,18 +53,18 @@ class SeedPool {
   /// `budget` does not afford work_to_follow(), as coast(); a single seed whose search it does not
   /// afford is not lost for it either.
   int follow(const ImageView& image, const PinholeCamera<float>& camera,
-             const Rigid<float>& T_odometry_camera, const Parameters& parameters,
-             WorkBudget& budget) {
+             const Pose& T_odometry_camera, const Parameters& parameters, WorkBudget& budget) {
     coast(T_odometry_camera, parameters);
-    if (!budget.affords(work_to_follow())) return 0;
+    typename Odometry::View view;
+    if (!budget.affords(work_to_follow()) || !odometry_.look(camera, parameters, view)) return 0;
     budget.spend(seeds_.size() * kCorrectionWork);
-    measure(image, camera, parameters, budget);
-    odometry_.correct(camera, parameters, seeds_, pixels_, found_);
+    measure(image, view, parameters, budget);
+    odometry_.correct(view, parameters, seeds_, pixels_, found_);
     return drop_lost(parameters);
   }
 
   /// Moves on to the caller's estimate without the image: no seed is lost for it.
-  void coast(const Rigid<float>& T_odometry_camera, const Parameters& parameters) {
+  void coast(const Pose& T_odometry_camera, const Parameters& parameters) {
     guess_depths(parameters);
     odometry_.move_to(T_odometry_camera, parameters);
   }
@@ -81,6 +82,9 @@ class SeedPool {
     return take_converged(camera, parameters, always, converged);
   }
 
+  /// Results that did not fit their format, of an odometry in fixed point.
+  std::uint32_t saturations() const { return odometry_.saturations(); }
+
   bool has_keyframe(LandmarkId id) const { return odometry_.find_keyframe(id) >= 0; }
 
   /// Forgets the keyframes of which no seed is left. Where all stay in use and `make_room` is set,
@@ -91,21 +95,14 @@ class SeedPool {
   static constexpr int kCorrectionWork = 40;
   static constexpr int kSmallSearchWork = 60;
   using Pixels = Vector2<float>[MaxSeeds];
-  using Odometry = SeedOdometry<MaxSeeds, MaxKeyframes>;
-  using Expected = typename Odometry::Expected;
 
   void remove(int i) {
     odometry_.remove_seed(i, seeds_.size() - 1);
     seeds_.remove_unordered(i);
   }
-  bool warp_of(const PinholeCamera<float>& camera, const Seed& seed, const Expected& expected,
-               Matrix2<float>& warp) const {
-    return ok(predict_warp(camera, odometry_.T_pool_keyframe(seed.keyframe),
-                           odometry_.T_pool_camera(), expected.p_camera, warp));
-  }
 
   void guess_depths(const Parameters& parameters);
-  void measure(const ImageView& image, const PinholeCamera<float>& camera,
+  void measure(const ImageView& image, const typename Odometry::View& view,
                const Parameters& parameters, WorkBudget& budget);
   int drop_lost(const Parameters& parameters);
   void fill(const PinholeCamera<float>& camera, const Parameters& parameters, int i,
@@ -118,10 +115,11 @@ class SeedPool {
   Odometry odometry_;
 };
 
-template <int MaxSeeds, int MaxKeyframes>
-Status SeedPool<MaxSeeds, MaxKeyframes>::add(const ImageView& image,
-                                             const PinholeCamera<float>& camera, int x, int y,
-                                             LandmarkId keyframe, const Parameters& parameters) {
+template <int MaxSeeds, int MaxKeyframes, class Odometry>
+Status SeedPool<MaxSeeds, MaxKeyframes, Odometry>::add(const ImageView& image,
+                                                       const PinholeCamera<float>& camera, int x,
+                                                       int y, LandmarkId keyframe,
+                                                       const Parameters& parameters) {
   const int slot = keyframe == kNoLandmark ? -1 : odometry_.find_keyframe(keyframe);
   if (slot < 0) return Status::kNotFound;
   if (seeds_.full()) return Status::kFull;
@@ -133,22 +131,21 @@ Status SeedPool<MaxSeeds, MaxKeyframes>::add(const ImageView& image,
   seed.first_ray = camera.unproject(seed.pixel);
   seed.rho = 1.0F / parameters.initial_depth_m;
   seed.keyframe = slot;
-  odometry_.begin_seed(seeds_.size(), square(parameters.initial_sigma_rho));
+  odometry_.begin_seed(seeds_.size(), parameters.initial_sigma_rho);
   seeds_.push_back(seed);
   return Status::kOk;
 }
 
-template <int MaxSeeds, int MaxKeyframes>
+template <int MaxSeeds, int MaxKeyframes, class Odometry>
 template <class Known>
-bool SeedPool<MaxSeeds, MaxKeyframes>::take_converged(const PinholeCamera<float>& camera,
-                                                      const Parameters& parameters,
-                                                      const Known& known,
-                                                      ConvergedSeed& converged) {
+bool SeedPool<MaxSeeds, MaxKeyframes, Odometry>::take_converged(const PinholeCamera<float>& camera,
+                                                                const Parameters& parameters,
+                                                                const Known& known,
+                                                                ConvergedSeed& converged) {
   for (int i = seeds_.size() - 1; i >= 0; --i) {
     const Seed& seed = seeds_[i];
     if (seed.misses > 0 || seed.seen < parameters.min_views || !(seed.rho > 0.0F)) continue;
-    const float sigma = sqrt(odometry_.variance(i));
-    if (sigma > parameters.max_relative_sigma * seed.rho) continue;
+    if (!odometry_.has_converged(i, seed.rho, parameters.max_relative_sigma)) continue;
     if (!known(odometry_.keyframe_id(seed.keyframe))) continue;
     const float depth = 1.0F / seed.rho;
     const bool usable = depth > parameters.min_depth_m && depth < parameters.max_depth_m;
@@ -159,8 +156,8 @@ bool SeedPool<MaxSeeds, MaxKeyframes>::take_converged(const PinholeCamera<float>
   return false;
 }
 
-template <int MaxSeeds, int MaxKeyframes>
-int SeedPool<MaxSeeds, MaxKeyframes>::end_keyframes(bool make_room) {
+template <int MaxSeeds, int MaxKeyframes, class Odometry>
+int SeedPool<MaxSeeds, MaxKeyframes, Odometry>::end_keyframes(bool make_room) {
   bool used[MaxKeyframes] = {};
   for (const Seed& seed : seeds_) used[seed.keyframe] = true;
   int oldest = 0;
@@ -183,47 +180,37 @@ int SeedPool<MaxSeeds, MaxKeyframes>::end_keyframes(bool make_room) {
 
 /// A seed that no second picture has seen has the depth of the present parameters: those at its
 /// first picture may have followed from a speed that was not known yet.
-template <int MaxSeeds, int MaxKeyframes>
-void SeedPool<MaxSeeds, MaxKeyframes>::guess_depths(const Parameters& parameters) {
+template <int MaxSeeds, int MaxKeyframes, class Odometry>
+void SeedPool<MaxSeeds, MaxKeyframes, Odometry>::guess_depths(const Parameters& parameters) {
   const float rho = 1.0F / parameters.initial_depth_m;
   for (int i = 0; i < seeds_.size(); ++i) {
     if (seeds_[i].seen > 1 || seeds_[i].rho == rho) continue;
     seeds_[i].rho = rho;
-    odometry_.begin_seed(i, square(parameters.initial_sigma_rho));
+    odometry_.begin_seed(i, parameters.initial_sigma_rho);
   }
 }
 
 /// Searches each seed in the window that its uncertain depth and the camera's rotation give.
-template <int MaxSeeds, int MaxKeyframes>
-void SeedPool<MaxSeeds, MaxKeyframes>::measure(const ImageView& image,
-                                               const PinholeCamera<float>& camera,
-                                               const Parameters& parameters, WorkBudget& budget) {
+template <int MaxSeeds, int MaxKeyframes, class Odometry>
+void SeedPool<MaxSeeds, MaxKeyframes, Odometry>::measure(const ImageView& image,
+                                                         const typename Odometry::View& view,
+                                                         const Parameters& parameters,
+                                                         WorkBudget& budget) {
   for (int i = 0; i < seeds_.size(); ++i) {
     found_[i] = false;
     searched_[i] = true;
-    const Seed& seed = seeds_[i];
-    Expected expected;
-    Matrix2<float> warp;
-    PatchWarp patch_warp;
-    if (!odometry_.expect(camera, parameters, seeds_, i, expected) ||
-        !warp_of(camera, seed, expected, warp) || !to_patch_warp(warp, patch_warp)) {
-      continue;
-    }
-    PixelPrediction<float> prediction;
-    prediction.pixel = expected.pixel;
-    prediction.covariance = odometry_.innovation_covariance(expected, parameters.sigma_px);
-    prediction.p_camera = expected.p_camera;
-    const int search_work = patch_search_work(prediction, parameters.search);
+    typename Odometry::Search search;
+    if (!odometry_.plan(view, parameters, seeds_, i, search)) continue;
+    const int search_work = search.work(parameters.search);
     searched_[i] = budget.affords(search_work);
     if (!searched_[i]) continue;
     budget.spend(search_work);
-    found_[i] = ok(search_patch(image, prediction, seed.appearance.patch, patch_warp,
-                                parameters.search, pixels_[i]));
+    found_[i] = ok(search.find(image, seeds_[i].appearance.patch, parameters.search, pixels_[i]));
   }
 }
 
-template <int MaxSeeds, int MaxKeyframes>
-int SeedPool<MaxSeeds, MaxKeyframes>::drop_lost(const Parameters& parameters) {
+template <int MaxSeeds, int MaxKeyframes, class Odometry>
+int SeedPool<MaxSeeds, MaxKeyframes, Odometry>::drop_lost(const Parameters& parameters) {
   int dropped = 0;
   for (int i = seeds_.size() - 1; i >= 0; --i) {
     Seed& seed = seeds_[i];
@@ -242,17 +229,16 @@ int SeedPool<MaxSeeds, MaxKeyframes>::drop_lost(const Parameters& parameters) {
   return dropped;
 }
 
-template <int MaxSeeds, int MaxKeyframes>
-void SeedPool<MaxSeeds, MaxKeyframes>::fill(const PinholeCamera<float>& camera,
-                                            const Parameters& parameters, int i,
-                                            ConvergedSeed& converged) const {
+template <int MaxSeeds, int MaxKeyframes, class Odometry>
+void SeedPool<MaxSeeds, MaxKeyframes, Odometry>::fill(const PinholeCamera<float>& camera,
+                                                      const Parameters& parameters, int i,
+                                                      ConvergedSeed& converged) const {
   const Seed& seed = seeds_[i];
   converged.appearance = seed.appearance;
   converged.T_camera_first = odometry_.T_camera_first(seed);
   converged.ray = camera.unproject(seed.pixel);
   converged.depth_m = (converged.T_camera_first * Vector3<float>(seed.first_ray / seed.rho)).z();
-  converged.sigma_depth_m =
-      sqrt(odometry_.variance(i)) * parameters.depth_inflation / square(seed.rho);
+  converged.sigma_depth_m = odometry_.sigma_rho(i) * parameters.depth_inflation / square(seed.rho);
   converged.pixel = seed.pixel;
   converged.keyframe = odometry_.keyframe_id(seed.keyframe);
 }

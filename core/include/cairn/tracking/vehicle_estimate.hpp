@@ -2,6 +2,7 @@
 
 #include "cairn/base/hash.hpp"
 #include "cairn/planar/types.hpp"
+#include "cairn/tracking/fixed_landmark_sight.hpp"
 #include "cairn/tracking/frame_context.hpp"
 #include "cairn/tracking/ground_check.hpp"
 #include "cairn/tracking/landmark_measurement.hpp"
@@ -88,7 +89,8 @@ class VehicleEstimate {
   // What search_landmarks() asks of a filter.
   int size() const { return filter_.landmark_count(); }
   LandmarkId id(int slot) const { return filter_.landmark_id(slot); }
-  Status predict(int slot, PixelPrediction<float>& prediction) const {
+  template <class Prediction>
+  Status predict(int slot, Prediction& prediction) const {
     return filter_.predict_pixel(slot, camera_, T_vehicle_camera_, sigma_px_, prediction);
   }
 

@@ -4,6 +4,7 @@
 #include "cairn/tracking/seed_pool.hpp"
 #include "cairn/tracking/vehicle_estimate.hpp"
 #include "cairn/tracking/vehicle_frame.hpp"
+#include "cairn/tracking/vehicle_numbers.hpp"
 
 namespace cairn {
 
@@ -15,7 +16,10 @@ class VehicleLocalMap {
  public:
   static constexpr int kMaxLandmarks = Config::kMaxLandmarks;
   using Supply = FeatureSupply<Config::kMaxImageWidth>;
-  using Seeds = SeedPool<Config::kMaxSeeds, Config::kMaxKeyframes>;
+  using Seeds =
+      SeedPool<Config::kMaxSeeds, Config::kMaxKeyframes,
+               typename VehicleNumbers<Filter>::template SeedOdometry<Config::kMaxSeeds,
+                                                                      Config::kMaxKeyframes>>;
   using Estimate = VehicleEstimate<Filter>;
   using Frame = VehicleFrame<Config>;
 
@@ -157,8 +161,9 @@ void VehicleLocalMap<Config, Filter>::follow(Frame& frame, Estimate& estimate,
       seeds_in_motion(parameters_.seeds, parameters_.seed_noise, estimate, motion);
   if (!frame.work.affords(seeds_.work_to_follow())) frame.work.cut_mapping();
   const int followed = seeds_.size();
-  const int dropped = seeds_.follow(frame.image, frame.camera, estimate.T_world_camera(), seeds,
-                                    frame.work.budget());
+  const int dropped =
+      seeds_.follow(frame.image, frame.camera, VehicleNumbers<Filter>::T_world_camera(estimate),
+                    seeds, frame.work.budget());
   frame.health.candidates_dropped += static_cast<std::uint32_t>(dropped);
   seeds_lost_ = 2 * seeds_.found() < followed;
   if (growing) add_landmarks(frame, estimate, seeds);

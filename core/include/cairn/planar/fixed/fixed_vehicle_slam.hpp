@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/geometry/fixed_rigid.hpp"
 #include "cairn/planar/fixed/fixed_group_slam.hpp"
 #include "cairn/planar/fixed/float_messages.hpp"
 
@@ -64,6 +65,10 @@ class FixedVehicleSlam {
   Status predict_pixel(int slot, const PinholeCamera<float>& camera,
                        const Rigid<float>& T_vehicle_camera, float sigma_px,
                        PixelPrediction<float>& prediction) const;
+  /// The same without messages in float.
+  Status predict_pixel(int slot, const PinholeCamera<float>& camera,
+                       const Rigid<float>& T_vehicle_camera, float sigma_px,
+                       FixedPixelPrediction& prediction) const;
   Status update_pixels(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
                        float sigma_px, PixelMatch<float>* matches, int count, Random& random,
                        UpdateReport& report);
@@ -121,6 +126,8 @@ class FixedVehicleSlam {
   Vector2<float> tilt_noise(float dt_s) const;
 
   PlanarPose<float> mean_pose() const { return float_of(core_.mean_pose()); }
+  /// Of a camera on the tilted vehicle, at the mean.
+  FixedRigid T_world_camera(const Rigid<float>& T_vehicle_camera) const;
   LandmarkVector mean_landmark(int slot) const { return at(core_.mean_landmark(slot), slot); }
   PlanarPose<float> pose() const {
     FixedPose mean;
@@ -185,17 +192,25 @@ Status FixedVehicleSlam<MaxLandmarks>::predict_pixel(int slot, const PinholeCame
                                                      const Rigid<float>& T_vehicle_camera,
                                                      float sigma_px,
                                                      PixelPrediction<float>& prediction) const {
+  FixedPixelPrediction expected;
+  const Status status = predict_pixel(slot, camera, T_vehicle_camera, sigma_px, expected);
+  if (ok(status)) float_of(expected, prediction);
+  return status;
+}
+
+template <int MaxLandmarks>
+Status FixedVehicleSlam<MaxLandmarks>::predict_pixel(int slot, const PinholeCamera<float>& camera,
+                                                     const Rigid<float>& T_vehicle_camera,
+                                                     float sigma_px,
+                                                     FixedPixelPrediction& prediction) const {
   std::uint32_t lost = 0;
   FixedCamera fixed;
-  Status status = fixed_of(camera, fixed);
+  const Status status = fixed_of(camera, fixed);
   if (!ok(status)) return status;
-  FixedPixelPrediction expected;
   const FixedMount mount = fixed_of(T_vehicle_camera, lost);
   const auto sigma = fixed_of<FixedPixel>(sigma_px, lost);
   if (lost != 0) return Status::kNonFiniteInput;
-  status = core_.expect_pixel(slot, fixed, mount, sigma, expected);
-  if (ok(status)) float_of(expected, prediction);
-  return status;
+  return core_.expect_pixel(slot, fixed, mount, sigma, prediction);
 }
 
 template <int MaxLandmarks>
@@ -293,6 +308,22 @@ Status FixedVehicleSlam<MaxLandmarks>::add_framed_landmark(LandmarkId id,
   const FixedCovariance3 noise = fixed_of(covariance, lost);
   if (lost != 0) return Status::kInvalidArgument;
   return core_.add_framed_landmark(id, p, noise, origin, ahead, replaced);
+}
+
+template <int MaxLandmarks>
+FixedRigid FixedVehicleSlam<MaxLandmarks>::T_world_camera(
+    const Rigid<float>& T_vehicle_camera) const {
+  std::uint32_t none = 0;
+  const FixedPose pose = core_.mean_pose();
+  FixedRigid T_world_vehicle = turn_about(2, pose.heading);
+  T_world_vehicle.translation[0] = pose.x;
+  T_world_vehicle.translation[1] = pose.y;
+  if (tilts()) {
+    const FixedTilt tilt = core_.tilt();
+    T_world_vehicle = T_world_vehicle.times(turn_about(1, tilt.pitch), none)
+                          .times(turn_about(0, tilt.roll), none);
+  }
+  return T_world_vehicle.times(fixed_rigid_of(T_vehicle_camera, none), none);
 }
 
 template <int MaxLandmarks>

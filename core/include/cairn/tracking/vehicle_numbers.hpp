@@ -1,0 +1,35 @@
+#pragma once
+
+#include "cairn/tracking/fixed_seed_odometry.hpp"
+#include "cairn/tracking/seed_odometry.hpp"
+
+namespace cairn {
+
+template <int MaxLandmarks>
+class FixedVehicleSlam;
+
+/// In which numbers a vehicle's frame is computed beside its filter: those of the filter.
+/// `Estimate`: VehicleEstimate<Filter>.
+template <class Filter>
+struct VehicleNumbers {
+  template <int MaxSeeds, int MaxKeyframes>
+  using SeedOdometry = cairn::SeedOdometry<MaxSeeds, MaxKeyframes>;
+
+  template <class Estimate>
+  static Rigid<float> T_world_camera(const Estimate& estimate) {
+    return estimate.T_world_camera();
+  }
+};
+
+template <int MaxLandmarks>
+struct VehicleNumbers<FixedVehicleSlam<MaxLandmarks>> {
+  template <int MaxSeeds, int MaxKeyframes>
+  using SeedOdometry = FixedSeedOdometry<MaxSeeds, MaxKeyframes>;
+
+  template <class Estimate>
+  static FixedRigid T_world_camera(const Estimate& estimate) {
+    return estimate.filter().T_world_camera(estimate.T_vehicle_camera());
+  }
+};
+
+}  // namespace cairn
