@@ -15,6 +15,7 @@
 namespace cairn {
 namespace {
 
+using vision::PixelLanes;
 using vision::PortableLanes;
 using vision::WordLanes;
 
@@ -91,6 +92,7 @@ TEST(BackEnds, DetectTheSameCorners) {
     const Rect searched = trial % 2 == 0 ? whole : rect;
     const Detection reference = detect<PortableLanes>(v, searched, threshold, cells);
     expect_equal(reference, detect<WordLanes>(v, searched, threshold, cells));
+    expect_equal(reference, detect<PixelLanes>(v, searched, threshold, cells));
 #if CAIRN_VISION_HAS_VECTOR
     expect_equal(reference, detect<vision::VectorLanes>(v, searched, threshold, cells));
 #endif
@@ -192,6 +194,7 @@ TEST(BackEnds, DescribeTheSame) {
     const int y = margin - 1 + random.below(std::max(1, v.height - 2 * margin + 3));
     const auto reference = describe<PortableLanes>(v, x, y, pose);
     ASSERT_EQ(reference, describe<WordLanes>(v, x, y, pose)) << "trial " << trial;
+    ASSERT_EQ(reference, describe<PixelLanes>(v, x, y, pose)) << "trial " << trial;
 #if CAIRN_VISION_HAS_VECTOR
     ASSERT_EQ(reference, describe<vision::VectorLanes>(v, x, y, pose)) << "trial " << trial;
 #endif
@@ -208,6 +211,7 @@ TEST(BackEnds, SumTheSameBoxes) {
           v.row(random.below(v.height - height)) + random.below(v.width - width - 15);
       const std::uint32_t sum = PortableLanes::box_sum(p, v.stride, width, height);
       ASSERT_EQ(sum, WordLanes::box_sum(p, v.stride, width, height)) << width << "x" << height;
+      ASSERT_EQ(sum, PixelLanes::box_sum(p, v.stride, width, height)) << width << "x" << height;
 #if CAIRN_VISION_HAS_VECTOR
       ASSERT_EQ(sum, vision::VectorLanes::box_sum(p, v.stride, width, height));
 #endif

@@ -90,6 +90,21 @@ Matrix2<float> matrix_of(const PatchWarp& warp) {
   return out;
 }
 
+bool FixedCameraPose::see(const FixedCoordinate (&p_world)[3], FixedLength nearest,
+                          FixedPixel (&pixel)[2]) const {
+  std::uint32_t lost = 0;
+  FixedLength away[3];
+  for (int i = 0; i < 3; ++i) {
+    away[i] =
+        convert<FixedLength>(subtract(p_world[i], T_world_camera_.translation[i], lost), lost);
+  }
+  FixedLength p_camera[3];
+  R_camera_world_.turn(away, p_camera, lost);
+  return usable_ && lost == 0 && p_camera[2] >= nearest &&
+         detail::project_point(camera_, p_camera, pixel, lost) && lost == 0 &&
+         camera_.contains(pixel);
+}
+
 bool FixedCameraPose::predict(const Rigid<float>& T_world_reference,
                               const FixedLength (&p_camera)[3], PatchWarp& warp) const {
   std::uint32_t lost = 0;

@@ -1,6 +1,7 @@
 #include "cairn/tracking/patch_search.hpp"
 
 #include <cstring>
+#include <utility>
 
 #include "cairn/numeric/float_bits.hpp"
 #include "cairn/numeric/math.hpp"
@@ -44,18 +45,46 @@ struct Sums {
   std::int32_t product = 0;
 };
 
-/// Value of the patch at (x, y), Q16 from its centre, held at its border.
-std::int32_t patch_value(const Patch& patch, std::int64_t x, std::int64_t y) {
-  constexpr std::int64_t kCentre = Patch::kSize / 2;
-  constexpr std::int64_t kLast = ((Patch::kSize - 1) << 16) - 1;
-  const auto u = static_cast<std::int32_t>(clamp<std::int64_t>(x + (kCentre << 16), 0, kLast));
-  const auto v = static_cast<std::int32_t>(clamp<std::int64_t>(y + (kCentre << 16), 0, kLast));
+/// Value of the patch at (x, y), Q16 from its first pixel, held at its border.
+template <class Position>
+std::int32_t patch_value(const Patch& patch, Position x, Position y) {
+  constexpr Position kLast = ((Patch::kSize - 1) << 16) - 1;
+  const auto u = static_cast<std::int32_t>(clamp<Position>(x, 0, kLast));
+  const auto v = static_cast<std::int32_t>(clamp<Position>(y, 0, kLast));
   const std::uint8_t* p = patch.pixels + (v >> 16) * Patch::kSize + (u >> 16);
   const std::int32_t fx = (u >> 8) & 255;
   const std::int32_t fy = (v >> 8) & 255;
-  const std::int32_t top = p[0] * (256 - fx) + p[1] * fx;
-  const std::int32_t bottom = p[Patch::kSize] * (256 - fx) + p[Patch::kSize + 1] * fx;
-  return (top * (256 - fy) + bottom * fy + 32768) >> 16;
+  const std::int32_t top = (p[0] << 8) + (p[1] - p[0]) * fx;
+  const std::int32_t bottom = (p[Patch::kSize] << 8) + (p[Patch::kSize + 1] - p[Patch::kSize]) * fx;
+  return ((top << 8) + (bottom - top) * fy + 32768) >> 16;
+}
+
+/// Fills in a template's values with an inverse warp, Q16. `Position`: an integer in which the
+/// positions of all pixels fit.
+template <class Position>
+void fill_template(const Patch& patch, Position xx, Position xy, Position yx, Position yy,
+                   Template& out) {
+  constexpr Position kCentre = (Patch::kSize / 2) << 16;
+  out.sum = out.coarse_sum = 0;
+  std::int64_t squares = 0;
+  for (int row = 0; row < kSide; ++row) {
+    const Position y = row - kHalf;
+    Position u = kCentre + xy * y - xx * kHalf;
+    Position v = kCentre + yy * y - yx * kHalf;
+    std::int16_t* const values = out.values + row * Template::kPitch;
+    std::int32_t row_sum = 0;
+    std::int32_t row_squares = 0;
+    for (int column = 0; column < kSide; ++column, u += xx, v += yx) {
+      const std::int32_t value = patch_value(patch, u, v);
+      values[Template::place(column)] = static_cast<std::int16_t>(value);
+      row_sum += value;
+      row_squares += value * value;
+    }
+    out.sum += row_sum;
+    if (row % 2 == 0) out.coarse_sum += row_sum;
+    squares += row_squares;
+  }
+  out.spread = kPixels * squares - static_cast<std::int64_t>(out.sum) * out.sum;
 }
 
 bool make_template(const Patch& patch, const PatchWarp& warp, Template& out) {
@@ -68,21 +97,14 @@ bool make_template(const Patch& patch, const PatchWarp& warp, Template& out) {
   };
   const std::int64_t xx = inverse(warp.yy), xy = inverse(-warp.xy);
   const std::int64_t yx = inverse(-warp.yx), yy = inverse(warp.xx);
-  out.sum = out.coarse_sum = 0;
-  std::int64_t squares = 0;
-  for (int row = 0; row < kSide; ++row) {
-    const int y = row - kHalf;
-    for (int column = 0; column < kSide; ++column) {
-      const int x = column - kHalf;
-      const std::int32_t value = patch_value(patch, xx * x + xy * y, yx * x + yy * y);
-      out.values[row * Template::kPitch + Template::place(column)] =
-          static_cast<std::int16_t>(value);
-      out.sum += value;
-      if (row % 2 == 0) out.coarse_sum += value;
-      squares += value * value;
-    }
+  constexpr std::int64_t kMost = 1 << 26;  // as every warp of a view: positions fit 32 bits
+  const auto fits = [](std::int64_t entry) { return entry < kMost && entry > -kMost; };
+  if (fits(xx) && fits(xy) && fits(yx) && fits(yy)) {
+    fill_template(patch, static_cast<std::int32_t>(xx), static_cast<std::int32_t>(xy),
+                  static_cast<std::int32_t>(yx), static_cast<std::int32_t>(yy), out);
+  } else {
+    fill_template(patch, xx, xy, yx, yy, out);
   }
-  out.spread = kPixels * squares - static_cast<std::int64_t>(out.sum) * out.sum;
   return out.spread >= 4 * kPixels * kPixels;
 }
 
@@ -114,14 +136,21 @@ __attribute__((always_inline)) inline void add_row(const std::uint8_t* p, const 
 
 #else
 
-inline void add_row(const std::uint8_t* p, const std::int16_t* t, const vision::ByteAdder&,
-                    Sums& sums) {
-  for (int column = 0; column < kSide; ++column) {
-    const std::int32_t v = p[column];
+template <int... Column>
+__attribute__((always_inline)) inline void add_row(const std::uint8_t* p, const std::int16_t* t,
+                                                   Sums& sums,
+                                                   std::integer_sequence<int, Column...>) {
+  const auto add = [&](std::int32_t v, std::int32_t value) __attribute__((always_inline)) {
     sums.sum += v;
     sums.squares += v * v;
-    sums.product += v * t[column];
-  }
+    sums.product += v * value;
+  };
+  (add(p[Column], t[Column]), ...);
+}
+__attribute__((always_inline)) inline void add_row(const std::uint8_t* p, const std::int16_t* t,
+                                                   const vision::ByteAdder& /*add_bytes*/,
+                                                   Sums& sums) {
+  add_row(p, t, sums, std::make_integer_sequence<int, kSide>());
 }
 
 #endif

@@ -70,20 +70,6 @@ int freak_orientation(const FreakMeans& means, FreakOrientation precision) {
   return orientation_bin_of(dx, dy);
 }
 
-namespace {
-
-/// Shifts into `bits` from below whether a >= b.
-inline void append_comparison(std::uint32_t& bits, std::uint32_t a, std::uint32_t b) {
-#if defined(__ARM_ARCH_ISA_THUMB) && __ARM_ARCH_ISA_THUMB >= 2
-  // The carry of the comparison goes straight into the sum; compilers take twice as many steps.
-  __asm__("cmp %1, %2\n\tadc %0, %0, %0" : "+r"(bits) : "r"(a), "r"(b) : "cc");
-#else
-  bits = 2 * bits + (a >= b ? 1U : 0U);
-#endif
-}
-
-}  // namespace
-
 void compare_means(const FreakMeans& means, Descriptor& descriptor) {
   const std::uint8_t* const value = means.value;
   for (int group = 0; group < Descriptor::kBytes / 4; ++group) {

@@ -47,6 +47,34 @@ struct PortableLanes {
   }
 };
 
+/// The same for cores that take one pixel at a time: the kernels have ways of their own for it.
+struct PixelLanes : PortableLanes {
+  /// Four columns at once.
+  static std::uint32_t box_sum(const std::uint8_t* p, std::ptrdiff_t stride, int width,
+                               int height) {
+    std::uint32_t sum = 0;
+    for (int x = width & ~3; x > 0; x -= 4, p += 4) {
+      const std::uint8_t* q = p;
+      for (int y = height; y > 0; --y, q += stride) sum += q[0] + q[1] + q[2] + q[3];
+    }
+    for (int x = width & 3; x > 0; --x, ++p) {
+      const std::uint8_t* q = p;
+      for (int y = height; y > 0; --y, q += stride) sum += *q;
+    }
+    return sum;
+  }
+};
+
+/// Shifts into `bits` from below whether a >= b.
+inline void append_comparison(std::uint32_t& bits, std::uint32_t a, std::uint32_t b) {
+#if defined(__ARM_ARCH_ISA_THUMB) && __ARM_ARCH_ISA_THUMB >= 2
+  // The carry of the comparison goes straight into the sum; compilers take twice as many steps.
+  __asm__("cmp %1, %2\n\tadc %0, %0, %0" : "+r"(bits) : "r"(a), "r"(b) : "cc");
+#else
+  bits = 2 * bits + (a >= b ? 1U : 0U);
+#endif
+}
+
 /// Four pixels in a 32-bit word.
 struct WordLanes {
   static constexpr int kCount = 4;
@@ -166,7 +194,7 @@ using NativeLanes = VectorLanes;
 #elif defined(__ARM_FEATURE_SIMD32)
 using NativeLanes = WordLanes;
 #else
-using NativeLanes = PortableLanes;
+using NativeLanes = PixelLanes;
 #endif
 
 }  // namespace cairn::vision

@@ -1,6 +1,7 @@
 #include "cairn/vision/patch.hpp"
 
 #include <cstddef>
+#include <cstring>
 
 #include "cairn/numeric/math.hpp"
 #include "cairn/vision/detail/patch_rows.hpp"
@@ -8,12 +9,14 @@
 namespace cairn {
 namespace {
 
+using vision::RowSampler;
+#if defined(__ARM_FEATURE_SIMD32)
 using vision::add_products;
 using vision::for_each_pair;
 using vision::load_pair;
 using vision::Pair;
 using vision::pair_mask;
-using vision::RowSampler;
+#endif
 
 constexpr int kHalf = 5;
 constexpr int kSide = vision::kPatchSide;
@@ -23,7 +26,9 @@ constexpr int kMaxStep = 256;       // 1 px
 constexpr int kConvergedStep = 8;   // 1/32 px
 constexpr int kFinestStep = 1;      // no use in going on
 constexpr int kMaxShift = 2 * 256;  // 2 px
+#if defined(__ARM_FEATURE_SIMD32)
 constexpr Pair kOnes = 0x00010001U;
+#endif
 
 /// Weighted sum of four neighbours, Q16, at a fraction (fx, fy) in 1/256 pixel beyond `p`. A
 /// neighbour whose weight is zero is not read.
@@ -76,6 +81,8 @@ struct PatchTemplate::Response {
   std::int64_t gain = 0;
 };
 
+#if defined(__ARM_FEATURE_SIMD32)
+
 PatchTemplate::Response PatchTemplate::respond(const ImageView& image, int x_q8, int y_q8) const {
   Response response;
   for_each_row(image, x_q8, y_q8, [&](int row, const std::int16_t* values) {
@@ -97,6 +104,36 @@ PatchTemplate::Response PatchTemplate::respond(const ImageView& image, int x_q8,
   return response;
 }
 
+#else
+
+/// Value by value: what is interpolated is not stored.
+PatchTemplate::Response PatchTemplate::respond(const ImageView& image, int x_q8, int y_q8) const {
+  Response response;
+  const RowSampler sampler(x_q8 & 255, y_q8 & 255, image.stride);
+  const std::uint8_t* p = image.row((y_q8 >> 8) - kHalf) + (x_q8 >> 8) - kHalf;
+  for (int row = 0; row < kSide; ++row, p += image.stride) {
+    const std::int16_t* const weights_x = gradient_x_ + row * kPitch;
+    const std::int16_t* const weights_y = gradient_y_ + row * kPitch;
+    const std::int16_t* const weights = value_ + row * kPitch;
+    // A row fits into 32 bits: 11 * 2^15 * 2^11.
+    std::int32_t x = 0;
+    std::int32_t y = 0;
+    std::int32_t gain = 0;
+    sampler.visit(
+        p, [&](int column, std::int32_t value) __attribute__((always_inline)) {
+          x += weights_x[column] * value;
+          y += weights_y[column] * value;
+          gain += weights[column] * value;
+        });
+    response.x += x;
+    response.y += y;
+    response.gain += gain;
+  }
+  return response;
+}
+
+#endif
+
 /// Displacement of the window from the best position, in 1/256 px, at most kMaxStep in each
 /// direction. False when the window does not look like the template at all.
 bool PatchTemplate::step(const Response& response, int& dx_q8, int& dy_q8) const {
@@ -115,12 +152,23 @@ int PatchTemplate::correlation_q10(const ImageView& image, int x_q8, int y_q8) c
     const std::uint32_t flags = covered_[row];
     std::int32_t row_squares = 0;
     std::int32_t row_product = 0;
+#if defined(__ARM_FEATURE_SIMD32)
     for_each_pair([&](int column) {
       const Pair value = load_pair(values + column) & pair_mask(flags, column);
       sum = add_products(value, kOnes, sum);
       row_squares = add_products(value, value, row_squares);
       row_product = add_products(load_pair(value_ + row * kPitch + column), value, row_product);
     });
+#else
+    const std::int16_t* const weights = value_ + row * kPitch;
+    for (int column = 0; column < kSide; ++column) {
+      if ((flags >> static_cast<unsigned>(column) & 1U) == 0) continue;
+      const std::int32_t value = values[column];
+      sum += value;
+      row_squares += value * value;
+      row_product += weights[column] * value;
+    }
+#endif
     squares += row_squares;
     product += row_product;
   });
@@ -143,6 +191,12 @@ Status extract_patch(const ImageView& image, int x_q8, int y_q8, Patch& patch) {
   }
   const std::uint8_t* row = image.row((y_q8 >> 8) - kReach) + (x_q8 >> 8) - kReach;
   std::uint8_t* out = patch.pixels;
+  if (((x_q8 | y_q8) & 255) == 0) {
+    for (int y = 0; y < Patch::kSize; ++y, row += image.stride, out += Patch::kSize) {
+      std::memcpy(out, row, Patch::kSize);
+    }
+    return Status::kOk;
+  }
   for (int y = 0; y < Patch::kSize; ++y, row += image.stride) {
     for (int x = 0; x < Patch::kSize; ++x) {
       const int value = bilinear_q16(row + x, image.stride, x_q8 & 255, y_q8 & 255);

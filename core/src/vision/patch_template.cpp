@@ -8,12 +8,14 @@
 namespace cairn {
 namespace {
 
+#if defined(__ARM_FEATURE_SIMD32)
 using vision::add_products;
 using vision::load_pair;
 using vision::Pair;
 using vision::pair_mask;
 using vision::store_pair;
 using vision::subtract_pairs;
+#endif
 
 constexpr int kSide = vision::kPatchSide;
 constexpr int kPadded = kSide + 2;         // one more on each side, for gradients
@@ -21,7 +23,6 @@ constexpr int kPaddedPitch = kPadded + 1;  // whole pairs
 constexpr int kMinPixels = kSide * kSide / 3;
 constexpr std::int64_t kMinGradientSquare = 4;  // (2 grey values per pixel)^2
 constexpr std::int32_t kMaxRatio = 0x7FFF;
-constexpr Pair kOnes = 0x00010001U;
 constexpr int kTemplateBits = 7;  // grey values are Q7 here, Q4 in the image
 
 /// Inverse of the warp, Q16; false when it is not usable.
@@ -44,16 +45,24 @@ bool invert(const PatchWarp& warp, PatchWarp& inverse) {
 /// Value at a fraction (fx, fy), 0..256, between four neighbours of the patch: Q7, zero at
 /// mid-grey.
 std::int16_t patch_value(const std::uint8_t* p, std::int32_t fx, std::int32_t fy) {
+  const std::uint8_t* const below = p + Patch::kSize;
+  constexpr int kShift = 16 - kTemplateBits;
+  constexpr std::int32_t kRounding = 1 << (kShift - 1);
+#if defined(__ARM_FEATURE_SIMD32)
   // Bytes times weights that add up to 256 stay below 2^16: both rows in one multiplication.
   const auto weight = static_cast<std::uint32_t>(fx);
-  const std::uint8_t* const below = p + Patch::kSize;
   const std::uint32_t left = p[0] | static_cast<std::uint32_t>(below[0]) << 16U;
   const std::uint32_t right = p[1] | static_cast<std::uint32_t>(below[1]) << 16U;
   const Pair column = (left * (256U - weight) + right * weight) ^ 0x80008000U;
-  constexpr int kShift = 16 - kTemplateBits;
-  constexpr std::int32_t kRounding = 1 << (kShift - 1);
   return static_cast<std::int16_t>(
       add_products(column, vision::make_pair(256 - fy, fy), kRounding) >> kShift);
+#else
+  constexpr std::int32_t kMidGrey = 128 << 16;
+  const std::int32_t top = (p[0] << 8) + (p[1] - p[0]) * fx;
+  const std::int32_t bottom = (below[0] << 8) + (below[1] - below[0]) * fx;
+  return static_cast<std::int16_t>(((top << 8) + (bottom - top) * fy - kMidGrey + kRounding) >>
+                                   kShift);
+#endif
 }
 
 /// Warped values around the patch's centre, Q7, zero at mid-grey and where the patch ends; a bit of
@@ -102,12 +111,16 @@ int count_bits(std::uint32_t bits) {
   return count;
 }
 
+#if defined(__ARM_FEATURE_SIMD32)
+constexpr Pair kOnes = 0x00010001U;
+
 /// value - ratio_q14 * along, both values of a pair; |ratio| < 2 keeps it in 32 bits.
 Pair subtract_part(Pair value, Pair along, std::int16_t ratio_q14) {
   const std::int32_t low = vision::low_half(along) * ratio_q14 + (1 << 13);
   const std::int32_t high = vision::high_half(along) * ratio_q14 + (1 << 13);
   return subtract_pairs(value, vision::shifted_pair<14>(low, high));
 }
+#endif
 
 }  // namespace
 
@@ -118,6 +131,8 @@ struct PatchTemplate::Moments {
   std::int64_t value_x = 0;
   std::int64_t value_y = 0;
 };
+
+#if defined(__ARM_FEATURE_SIMD32)
 
 /// Values and gradients of the covered pixels, with their sums.
 PatchTemplate::Moments PatchTemplate::differentiate(const std::int16_t* padded) {
@@ -174,6 +189,58 @@ void PatchTemplate::remove_mean(std::int32_t mean, Moments& moments) {
   moments.value_y = value_y;
 }
 
+#else  // the same, value by value
+
+PatchTemplate::Moments PatchTemplate::differentiate(const std::int16_t* padded) {
+  Moments sums;
+  const auto half = [](std::int32_t difference) { return difference / 2; };
+  int i = 0;
+  for (int y = 0; y < kSide; ++y) {
+    const std::int16_t* c = padded + (y + 1) * kPaddedPitch + 1;
+    std::uint32_t flags = covered_[y];
+    for (int x = 0; x < kPitch; ++x, ++i, ++c, flags >>= 1U) {
+      value_[i] = gradient_x_[i] = gradient_y_[i] = 0;
+      if ((flags & 1U) == 0) continue;
+      const std::int32_t value = *c;
+      const std::int32_t gx = half(c[1] - c[-1]);
+      const std::int32_t gy = half(c[kPaddedPitch] - c[-kPaddedPitch]);
+      sums.value += value;
+      sums.x += gx;
+      sums.y += gy;
+      value_[i] = static_cast<std::int16_t>(value);
+      gradient_x_[i] = static_cast<std::int16_t>(gx);
+      gradient_y_[i] = static_cast<std::int16_t>(gy);
+    }
+  }
+  return sums;
+}
+
+void PatchTemplate::remove_mean(std::int32_t mean, Moments& moments) {
+  std::int32_t sum = 0;
+  std::int64_t energy = 0;
+  std::int64_t value_x = 0;
+  std::int64_t value_y = 0;
+  int i = 0;
+  for (int y = 0; y < kSide; ++y) {
+    std::uint32_t flags = covered_[y];
+    for (int x = 0; x < kPitch; ++x, ++i, flags >>= 1U) {
+      if ((flags & 1U) == 0) continue;
+      const std::int32_t value = value_[i] - mean;
+      value_[i] = static_cast<std::int16_t>(value);
+      sum += value;
+      energy += std::int64_t{value} * value;
+      value_x += std::int64_t{gradient_x_[i]} * value;
+      value_y += std::int64_t{gradient_y_[i]} * value;
+    }
+  }
+  value_sum_ = sum;
+  energy_ = energy;
+  moments.value_x = value_x;
+  moments.value_y = value_y;
+}
+
+#endif
+
 /// Takes the mean and the part along the values out of the gradients, and solves for the step.
 bool PatchTemplate::project_out_values(const Moments& moments) {
   const std::int32_t mean_x = moments.x / count_;
@@ -187,21 +254,24 @@ bool PatchTemplate::project_out_values(const Moments& moments) {
   if (ratio_x > kMaxRatio || ratio_x < -kMaxRatio || ratio_y > kMaxRatio || ratio_y < -kMaxRatio) {
     return false;
   }
-  const Pair means_x = vision::make_pair(mean_x, mean_x);
-  const Pair means_y = vision::make_pair(mean_y, mean_y);
+  const auto along_x = static_cast<std::int16_t>(ratio_x);
+  const auto along_y = static_cast<std::int16_t>(ratio_y);
   std::int64_t xx = 0;
   std::int64_t xy = 0;
   std::int64_t yy = 0;
+#if defined(__ARM_FEATURE_SIMD32)
+  const Pair means_x = vision::make_pair(mean_x, mean_x);
+  const Pair means_y = vision::make_pair(mean_y, mean_y);
   for (int y = 0; y < kSide; ++y) {
     const std::uint32_t flags = covered_[y];
     for (int x = 0; x < kPitch; x += 2) {
       const int i = y * kPitch + x;
       const Pair mask = pair_mask(flags, x);
       const Pair value = load_pair(value_ + i);
-      const Pair gx = subtract_part(subtract_pairs(load_pair(gradient_x_ + i), means_x & mask),
-                                    value, static_cast<std::int16_t>(ratio_x));
-      const Pair gy = subtract_part(subtract_pairs(load_pair(gradient_y_ + i), means_y & mask),
-                                    value, static_cast<std::int16_t>(ratio_y));
+      const Pair gx =
+          subtract_part(subtract_pairs(load_pair(gradient_x_ + i), means_x & mask), value, along_x);
+      const Pair gy =
+          subtract_part(subtract_pairs(load_pair(gradient_y_ + i), means_y & mask), value, along_y);
       store_pair(gradient_x_ + i, gx);
       store_pair(gradient_y_ + i, gy);
       xx = add_products(gx, gx, xx);
@@ -209,6 +279,27 @@ bool PatchTemplate::project_out_values(const Moments& moments) {
       yy = add_products(gy, gy, yy);
     }
   }
+#else
+  const auto without = [](std::int32_t gradient, std::int32_t mean, std::int32_t value,
+                          std::int32_t ratio_q14) {
+    return static_cast<std::int16_t>(gradient - mean - ((value * ratio_q14 + (1 << 13)) >> 14));
+  };
+  int i = 0;
+  for (int y = 0; y < kSide; ++y) {
+    std::uint32_t flags = covered_[y];
+    for (int x = 0; x < kPitch; ++x, ++i, flags >>= 1U) {
+      if ((flags & 1U) == 0) continue;  // all are 0
+      const std::int32_t value = value_[i];
+      const std::int16_t gx = without(gradient_x_[i], mean_x, value, along_x);
+      const std::int16_t gy = without(gradient_y_[i], mean_y, value, along_y);
+      gradient_x_[i] = gx;
+      gradient_y_[i] = gy;
+      xx += std::int64_t{gx} * gx;
+      xy += std::int64_t{gx} * gy;
+      yy += std::int64_t{gy} * gy;
+    }
+  }
+#endif
   return solve(xx, xy, yy);
 }
 

@@ -84,6 +84,7 @@ bool detectors_agree() {
     const int threshold = 1 + random.below(60);
     const std::uint64_t reference = detect<vision::PortableLanes>(image, rect, threshold);
     if (reference != detect<vision::WordLanes>(image, rect, threshold)) return false;
+    if (reference != detect<vision::PixelLanes>(image, rect, threshold)) return false;
     if (reference != detect<vision::NativeLanes>(image, rect, threshold)) return false;
   }
   return true;
@@ -99,6 +100,7 @@ bool descriptors_agree() {
     const int y = 24 + random.below(image.height - 47);
     const std::uint64_t reference = describe<vision::PortableLanes>(image, x, y, pose);
     if (reference != describe<vision::WordLanes>(image, x, y, pose)) return false;
+    if (reference != describe<vision::PixelLanes>(image, x, y, pose)) return false;
     if (reference != describe<vision::NativeLanes>(image, x, y, pose)) return false;
   }
   return true;

@@ -29,33 +29,17 @@ struct LibrarySlice {
   int count = 0;
 };
 
-/// The landmarks of `library` that a camera at `T_map_camera` should see: inside the image, at a
-/// scale and a viewing angle at which their descriptor can be matched, and not in `exclude` (ids
-/// that are already tracked). Highest retention score first, ties by id; at most `capacity` of them
-/// are written to `visible`. Returns their number.
-///
-/// Cost: one pass over the slots of `slice`, about 150 operations a landmark and view; |exclude|
-/// comparisons and at most `capacity` moves for each one that is visible.
-template <class Config, int Views>
-int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
-                 const PinholeCamera<typename Config::Scalar>& camera,
-                 const Rigid<typename Config::Scalar>& T_map_camera,
-                 const VisibilityOptions<typename Config::Scalar>& options,
-                 Span<LandmarkId> exclude, VisibleLandmark<typename Config::Scalar>* visible,
-                 int capacity) {
-  using T = typename Config::Scalar;
-  int count = 0;
-  if (visible == nullptr || capacity <= 0) return 0;
-  const int end =
-      slice.first + slice.count < library.size() ? slice.first + slice.count : library.size();
-  for (int slot = slice.first; slot < end; ++slot) {
-    const auto& landmark = library[slot];
-    VisibleLandmark<T> candidate;
-    candidate.slot = slot;
-    candidate.id = landmark.id;
-    candidate.retention_score = library.retention_score(slot);
-    if (count == capacity && candidate.retention_score < visible[count - 1].retention_score)
-      continue;
+/// What a camera at `T_map_camera` should see of landmarks: those inside the image, at a scale and
+/// a viewing angle at which their descriptor can be matched.
+template <class T>
+struct LandmarkViews {
+  const PinholeCamera<T>& camera;
+  const Rigid<T>& T_map_camera;
+  const VisibilityOptions<T>& options;
+
+  /// The landmark's view that is nearest in direction; false for one that is not to be seen.
+  template <int Views>
+  bool operator()(const LibraryLandmark<T, Views>& landmark, VisibleLandmark<T>& candidate) const {
     T best_cosine = options.min_cosine;
     bool seen = false;
     for (int v = 0; v < landmark.view_count; ++v) {
@@ -73,6 +57,34 @@ int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
       candidate.prediction = prediction;
       seen = true;
     }
+    return seen;
+  }
+};
+
+/// The landmarks of `library` of which `sees(landmark, candidate)` is true (LandmarkViews), and
+/// that are not in `exclude` (ids that are already tracked). Highest retention score first, ties by
+/// id; at most `capacity` of them are written to `visible`. Returns their number.
+///
+/// Cost: one pass over the slots of `slice`, about 150 operations a landmark and view; |exclude|
+/// comparisons and at most `capacity` moves for each one that is visible.
+template <class Config, int Views, class Sees>
+int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice, const Sees& sees,
+                 Span<LandmarkId> exclude, VisibleLandmark<typename Config::Scalar>* visible,
+                 int capacity) {
+  using T = typename Config::Scalar;
+  int count = 0;
+  if (visible == nullptr || capacity <= 0) return 0;
+  const int end =
+      slice.first + slice.count < library.size() ? slice.first + slice.count : library.size();
+  for (int slot = slice.first; slot < end; ++slot) {
+    const auto& landmark = library[slot];
+    VisibleLandmark<T> candidate;
+    candidate.slot = slot;
+    candidate.id = landmark.id;
+    candidate.retention_score = library.retention_score(slot);
+    if (count == capacity && candidate.retention_score < visible[count - 1].retention_score)
+      continue;
+    bool seen = sees(landmark, candidate);
     for (int e = 0; seen && e < exclude.size; ++e) seen = exclude[e] != landmark.id;
     if (!seen) continue;
     int place = count < capacity ? count : capacity;
@@ -87,6 +99,19 @@ int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
     if (count < capacity) ++count;
   }
   return count;
+}
+
+/// Same for a camera at `T_map_camera`.
+template <class Config, int Views>
+int find_visible(const MapLibrary<Config, Views>& library, LibrarySlice slice,
+                 const PinholeCamera<typename Config::Scalar>& camera,
+                 const Rigid<typename Config::Scalar>& T_map_camera,
+                 const VisibilityOptions<typename Config::Scalar>& options,
+                 Span<LandmarkId> exclude, VisibleLandmark<typename Config::Scalar>* visible,
+                 int capacity) {
+  using Sees = LandmarkViews<typename Config::Scalar>;
+  return find_visible(library, slice, Sees{camera, T_map_camera, options}, exclude, visible,
+                      capacity);
 }
 
 /// Same for the whole library.

@@ -63,8 +63,9 @@ class FeatureSupply {
   int cell_work() const { return work::fast(cell_width_, cell_height_); }
 
   /// A landmark or seed is seen at this pixel.
-  void occupy(float u, float v) {
-    const Place place{static_cast<int>(u), static_cast<int>(v)};
+  void occupy(float u, float v) { occupy_pixel(static_cast<int>(u), static_cast<int>(v)); }
+  void occupy_pixel(int x, int y) {
+    const Place place{x, y};
     const int cell = cell_of(place.x, place.y);
     if (cell < 0) return;
     ++counts_[cell];
@@ -103,7 +104,7 @@ class FeatureSupply {
       Corner best;
       if (!best_corner(image, cell, parameters, scratch, best, report, budget)) continue;
       corners[found++] = best;
-      occupy(best.x, best.y);
+      occupy_pixel(best.x, best.y);
     }
     adapt_threshold(parameters, known, found, found >= wanted);
     return found;

@@ -17,10 +17,14 @@ class VehicleEstimate;
 class FixedCameraPose {
  public:
   FixedCameraPose(const PinholeCamera<float>& camera, const FixedRigid& T_world_camera)
-      : T_world_camera_(T_world_camera) {
+      : T_world_camera_(T_world_camera),
+        R_camera_world_(detail::rotation_of(T_world_camera).transposed()) {
     usable_ = ok(fixed_of(camera, camera_));
   }
   const FixedCamera& camera() const { return camera_; }
+
+  /// The pixel of a point of the world; false nearer than `nearest` or out of the picture.
+  bool see(const FixedCoordinate (&p_world)[3], FixedLength nearest, FixedPixel (&pixel)[2]) const;
 
   /// As predict_warp(), of a point in the camera frame.
   bool predict(const Rigid<float>& T_world_reference, const FixedLength (&p_camera)[3],
@@ -29,6 +33,7 @@ class FixedCameraPose {
  private:
   FixedCamera camera_;
   FixedRigid T_world_camera_;
+  detail::FixedRotation R_camera_world_;
   bool usable_ = false;
 };
 
@@ -58,6 +63,17 @@ class LandmarkSight<VehicleEstimate<FixedVehicleSlam<MaxLandmarks>>> {
     std::uint32_t none = 0;
     entry.priority =
         subtract(multiply<Priority>(p.xx, p.yy, none), multiply<Priority>(p.xy, p.xy, none), none);
+    return true;
+  }
+  /// As its filter's predictions, 0.3 m away or more.
+  bool see(int slot, int& x, int& y) const {
+    constexpr FixedLength kNearest = FixedLength::nearest(0.3);
+    FixedCoordinate p_world[3];
+    FixedPixel pixel[2];
+    estimate_.filter().mean_landmark(slot, p_world);
+    if (!pose_.see(p_world, kNearest, pixel)) return false;
+    x = pixel[0].raw() >> FixedPixel::kFractionBits;
+    y = pixel[1].raw() >> FixedPixel::kFractionBits;
     return true;
   }
   int most_work(const Planned& entry, const Appearance& appearance,

@@ -51,6 +51,14 @@ class LandmarkSight {
     entry.priority = s(0, 0) * s(1, 1) - s(0, 1) * s(1, 0);
     return true;
   }
+  /// The pixel in which a landmark lies; false for one out of view.
+  bool see(int slot, int& x, int& y) const {
+    PixelPrediction<float> prediction;
+    if (!ok(filter_.predict(slot, prediction)) || !camera_.contains(prediction.pixel)) return false;
+    x = static_cast<int>(prediction.pixel.x());
+    y = static_cast<int>(prediction.pixel.y());
+    return true;
+  }
   int most_work(const Planned& entry, const Appearance& appearance,
                 const SearchParameters& parameters) const {
     return most_search_work(entry.prediction, appearance, parameters);

@@ -178,12 +178,12 @@ template <class Config, class Filter>
 int VehicleLocalMap<Config, Filter>::occupy_view(const Estimate& estimate) {
   int in_view = seeds_.size();
   for (int i = 0; i < seeds_.size(); ++i) supply_.occupy(seeds_[i].pixel.x(), seeds_[i].pixel.y());
+  const LandmarkSight<Estimate> sight(estimate);
   for (int slot = 0; slot < estimate.size(); ++slot) {
-    PixelPrediction<float> prediction;
-    if (!ok(estimate.predict(slot, prediction)) || !estimate.camera().contains(prediction.pixel)) {
-      continue;
-    }
-    supply_.occupy(prediction.pixel.x(), prediction.pixel.y());
+    int x = 0;
+    int y = 0;
+    if (!sight.see(slot, x, y)) continue;
+    supply_.occupy_pixel(x, y);
     ++in_view;
   }
   return in_view;

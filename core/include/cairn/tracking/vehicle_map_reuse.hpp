@@ -141,9 +141,10 @@ void VehicleMapReuse<Config, Filter>::reactivate(Frame& frame, Estimate& estimat
   const LibrarySlice slice{next_library_slot_, parameters_.library_slots_per_frame};
   next_library_slot_ += slice.count;
   VisibleLandmark<float>* visible = begin_scratch(frame).visible;
-  const int count =
-      find_visible(library, slice, frame.camera, archive_.T_map_camera(estimate), options,
-                   Span<LandmarkId>{active, estimate.size()}, visible, kMaxVisible);
+  const Rigid<float> T_map_camera = archive_.T_map_camera(estimate);
+  const typename VehicleNumbers<Filter>::LandmarkViews sees{frame.camera, T_map_camera, options};
+  const int count = find_visible(library, slice, sees, Span<LandmarkId>{active, estimate.size()},
+                                 visible, kMaxVisible);
   int reactivated = 0;
   for (int i = 0; i < count && reactivated < parameters_.max_reactivations_per_frame; ++i) {
     if (estimate.size() + kReserve >= kMaxLandmarks) return;

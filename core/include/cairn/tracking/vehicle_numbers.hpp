@@ -1,5 +1,6 @@
 #pragma once
 
+#include "cairn/map/fixed_visibility.hpp"
 #include "cairn/tracking/fixed_seed_odometry.hpp"
 #include "cairn/tracking/seed_odometry.hpp"
 
@@ -14,6 +15,7 @@ template <class Filter>
 struct VehicleNumbers {
   template <int MaxSeeds, int MaxKeyframes>
   using SeedOdometry = cairn::SeedOdometry<MaxSeeds, MaxKeyframes>;
+  using LandmarkViews = cairn::LandmarkViews<float>;
 
   template <class Estimate>
   static Rigid<float> T_world_camera(const Estimate& estimate) {
@@ -25,6 +27,7 @@ template <int MaxLandmarks>
 struct VehicleNumbers<FixedVehicleSlam<MaxLandmarks>> {
   template <int MaxSeeds, int MaxKeyframes>
   using SeedOdometry = FixedSeedOdometry<MaxSeeds, MaxKeyframes>;
+  using LandmarkViews = FixedLandmarkViews;
 
   template <class Estimate>
   static FixedRigid T_world_camera(const Estimate& estimate) {

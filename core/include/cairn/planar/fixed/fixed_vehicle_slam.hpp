@@ -129,6 +129,13 @@ class FixedVehicleSlam {
   /// Of a camera on the tilted vehicle, at the mean.
   FixedRigid T_world_camera(const Rigid<float>& T_vehicle_camera) const;
   LandmarkVector mean_landmark(int slot) const { return at(core_.mean_landmark(slot), slot); }
+  /// The same without messages in float.
+  void mean_landmark(int slot, FixedCoordinate (&place)[3]) const {
+    const FixedLandmark landmark = core_.mean_landmark(slot);
+    place[0] = landmark.x;
+    place[1] = landmark.y;
+    place[2] = core_.landmark_height(slot);
+  }
   PlanarPose<float> pose() const {
     FixedPose mean;
     FixedPoseCovariance covariance;

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "cairn/vision/image.hpp"
 
@@ -161,20 +162,37 @@ class RowSampler {
     four_values(second, third, out + 4);
     four_values(third, Columns{0, 0}, out + 8);
 #else
-    const int last = fx_ != 0 ? kPatchSide : kPatchSide - 1;
-    std::int32_t column[kPatchSide + 1];
-    column[kPatchSide] = 0;
-    for (int x = 0; x <= last; ++x) column[x] = (p[x] << 8) + (p[x + down_] - p[x]) * fy_;
-    for (int x = 0; x < kPatchSide; ++x) {
-      out[x] = static_cast<std::int16_t>(
-          ((column[x] << 8) + (column[x + 1] - column[x]) * fx_ - (128 << 16) + kHalf) >> kShift);
-    }
+    visit(p, [out](int x, std::int32_t value) { out[x] = static_cast<std::int16_t>(value); });
 #endif
+  }
+
+  /// The same values one by one: f(column, value).
+  template <class F>
+  __attribute__((always_inline)) void visit(const std::uint8_t* p, F f) const {
+    visit(p, f, std::make_integer_sequence<int, kPatchSide>());
   }
 
  private:
   static constexpr int kShift = 16 - kValueBits;
   static constexpr std::int32_t kHalf = 1 << (kShift - 1);
+
+  std::int32_t column(const std::uint8_t* p) const {
+    const std::int32_t above = *p;
+    return (above << 8) + (p[down_] - above) * fy_;
+  }
+  // Written out, because -O2 does not unroll.
+  template <class F, int... X>
+  __attribute__((always_inline)) void visit(const std::uint8_t* p, F f,
+                                            std::integer_sequence<int, X...>) const {
+    std::int32_t left = column(p);
+    const auto step = [&](int x) __attribute__((always_inline)) {
+      const bool ends = x == kPatchSide - 1 && fx_ == 0;
+      const std::int32_t right = ends ? 0 : column(p + x + 1);
+      f(x, ((left << 8) + (right - left) * fx_ - (128 << 16) + kHalf) >> kShift);
+      left = right;
+    };
+    (step(X), ...);
+  }
 
 #if defined(__ARM_FEATURE_SIMD32)
   /// Columns 0 and 2, 1 and 3 of four, interpolated downwards: Q8, zero at mid-grey.
