@@ -93,7 +93,7 @@ TEST_F(SeedsInMotion, LeaveAtTheBorderWhereTheCameraLooksAhead) {
   const SeedParameters later = seeds();
   ASSERT_EQ(later.min_views, 3) << "2 m to go at 12 m of depth: 6/5 of the distance to the middle";
   const auto stays = [&](float u, float v) {
-    return stays_in_view({u, v}, later.initial_depth_m, camera, later_now(later));
+    return StayingInView(camera, later_now(later), later.initial_depth_m)({u, v});
   };
   EXPECT_TRUE(stays(100.0F, 100.0F));
   EXPECT_TRUE(stays(175.0F, 100.0F));
@@ -111,7 +111,7 @@ TEST_F(SeedsInMotion, LeaveBehindWhereTheCameraLooksAside) {
   const PinholeCamera<float> camera = wide_camera();
   const SeedParameters later = seeds();
   const auto stays = [&](float u) {
-    return stays_in_view({u, 100.0F}, later.initial_depth_m, camera, later_now(later));
+    return StayingInView(camera, later_now(later), later.initial_depth_m)({u, 100.0F});
   };
   EXPECT_FALSE(stays(15.0F)) << "16.7 px of flow";
   EXPECT_TRUE(stays(25.0F));

@@ -12,9 +12,6 @@ struct HalfSpace {  // normal . p <= offset, p from the eye
   std::int64_t offset;
   std::int64_t length;  ///< of the normal, the sum of its coordinates' magnitudes
 };
-/// The shadow of a convex part: its front faces and the planes of its outline.
-using Shadow = FixedVector<HalfSpace, ConvexPart::kMaxFaces + ConvexPart::kMaxVertices>;
-
 std::int64_t dot(const std::int32_t (&a)[3], const Point& p) {
   return std::int64_t{a[0]} * p.at[0] + std::int64_t{a[1]} * p.at[1] + std::int64_t{a[2]} * p.at[2];
 }
@@ -24,14 +21,8 @@ void set_normal(const Vector3<float>& normal, HalfSpace& plane) {
   for (int i = 0; i < 3; ++i) plane.normal[i] = fixed_of<FixedRatio>(normal(i), none).raw();
 }
 
-void add_plane(HalfSpace plane, Shadow& shadow) {
-  plane.length = 0;
-  for (const std::int32_t n : plane.normal) plane.length += n < 0 ? -std::int64_t{n} : n;
-  shadow.push_back(plane);
-}
-
-/// The plane through the eye and an edge of the outline, `centre` on its inner side.
-HalfSpace outline_plane(const Point& a, const Point& b, const Point& centre) {
+/// The plane through the eye and an edge of the outline, `inside` on its inner side.
+HalfSpace outline_plane(const Point& a, const Point& b, const Point& inside) {
   std::int64_t n[3];
   std::uint64_t largest = 0;
   for (int i = 0; i < 3; ++i) {
@@ -45,37 +36,58 @@ HalfSpace outline_plane(const Point& a, const Point& b, const Point& centre) {
   for (int i = 0; i < 3; ++i) {
     plane.normal[i] = static_cast<std::int32_t>(shift > 0 ? n[i] >> shift : n[i]);
   }
-  if (dot(plane.normal, centre) > 0) {
+  if (dot(plane.normal, inside) > 0) {
     for (std::int32_t& value : plane.normal) value = -value;
   }
   return plane;
 }
 
-/// False when the eye is inside the part: it has no outline then and hides nothing.
-bool cast_shadow(const ObjectScene& scene, int q, Shadow& shadow) {
-  if (scene.front[q] == 0) return false;
-  const ConvexPart& part = scene.object.parts[q];
-  const Point* const vertices = scene.vertices[q];
-  shadow.clear();
-  Point centre = {};
-  for (int i = 0; i < 3; ++i) {
-    std::int64_t sum = 0;
-    for (int k = 0; k < part.vertices.size(); ++k) sum += vertices[k].at[i];
-    centre.at[i] = static_cast<std::int32_t>(sum / part.vertices.size());
+/// The shadow of a convex part, one plane after the other: those of its outline and its front
+/// faces. Most shadows end at the first ones.
+class Shadow {
+ public:
+  Shadow(const ObjectScene& scene, int q)
+      : scene_(scene), part_(scene.object.parts[q]), vertices_(scene.vertices[q]), q_(q) {
+    constexpr int kMostBits = 5;
+    static_assert(ConvexPart::kMaxVertices <= 1 << kMostBits, "the sum fits");
+    for (int i = 0; i < 3; ++i) {
+      std::int64_t sum = 0;
+      for (int k = 0; k < part_.vertices.size(); ++k) sum += vertices_[k].at[i];
+      inside_.at[i] = static_cast<std::int32_t>(sum >> kMostBits);
+    }
   }
-  for (const ConvexPart::Edge& edge : part.edges) {
-    if (scene.is_front(q, edge.face_left) == scene.is_front(q, edge.face_right)) continue;
-    add_plane(outline_plane(vertices[edge.a], vertices[edge.b], centre), shadow);
+  bool next(HalfSpace& plane) {
+    while (edge_ < part_.edges.size()) {
+      const ConvexPart::Edge& edge = part_.edges[edge_++];
+      if (scene_.is_front(q_, edge.face_left) == scene_.is_front(q_, edge.face_right)) continue;
+      plane = outline_plane(vertices_[edge.a], vertices_[edge.b], inside_);
+      return finish(plane);
+    }
+    while (face_ < part_.faces.size()) {
+      const int face = face_++;
+      if (!scene_.is_front(q_, face)) continue;
+      set_normal(part_.faces[face].normal, plane);
+      plane.offset = dot(plane.normal, vertices_[part_.faces[face].vertices[0]]);
+      return finish(plane);
+    }
+    return false;
   }
-  for (int f = 0; f < part.faces.size(); ++f) {
-    if (!scene.is_front(q, f)) continue;
-    HalfSpace plane;
-    set_normal(part.faces[f].normal, plane);
-    plane.offset = dot(plane.normal, vertices[part.faces[f].vertices[0]]);
-    add_plane(plane, shadow);
+
+ private:
+  static bool finish(HalfSpace& plane) {
+    plane.length = 0;
+    for (const std::int32_t n : plane.normal) plane.length += n < 0 ? -std::int64_t{n} : n;
+    return true;
   }
-  return true;
-}
+
+  const ObjectScene& scene_;
+  const ConvexPart& part_;
+  const Point* vertices_;
+  int q_;
+  Point inside_ = {};  ///< in the direction of the part's middle
+  int edge_ = 0;
+  int face_ = 0;
+};
 
 /// What is to be seen of an edge, and what one shadow hides of it.
 struct EdgeView {
@@ -86,18 +98,21 @@ struct EdgeView {
   std::int64_t touch = 0;  ///< by which it may enter a part, m
 };
 
-/// Takes one half-space into the hidden intervals of a part's edges. False when nothing of them is
-/// inside.
+/// Takes one half-space into the hidden intervals of a part's edges, of which `most_touch` is the
+/// largest touch. False when nothing of them is inside.
 bool cut_by_plane(const HalfSpace& plane, const ConvexPart& part, const Point* vertices,
-                  EdgeView* edges) {
+                  std::int64_t most_touch, EdgeView* edges) {
   std::int64_t distance[ConvexPart::kMaxVertices];
-  bool any = false;
+  std::int64_t nearest = INT64_MAX;
+  std::int64_t farthest = INT64_MIN;
   for (int k = 0; k < part.vertices.size(); ++k) {
     distance[k] = dot(plane.normal, vertices[k]) - plane.offset;
-    any = any || distance[k] <= 0;
+    nearest = distance[k] < nearest ? distance[k] : nearest;
+    farthest = distance[k] > farthest ? distance[k] : farthest;
   }
-  if (!any) return false;
-  any = false;
+  if (nearest > 0) return false;
+  if (farthest + most_touch * plane.length <= 0) return true;
+  bool any = false;
   for (int e = 0; e < part.edges.size(); ++e) {
     EdgeView& edge = edges[e];
     if (!edge.inside) continue;
@@ -121,11 +136,12 @@ bool cut_by_plane(const HalfSpace& plane, const ConvexPart& part, const Point* v
   return any;
 }
 
-/// What is to be seen of the edges of part `p`; `shadow` is scratch.
-void find_visible_edges(const ObjectScene& scene, int p, Shadow& shadow, EdgeView* edges) {
+/// What is to be seen of the edges of part `p`.
+void find_visible_edges(const ObjectScene& scene, int p, EdgeView* edges) {
   constexpr int kTouchBits = 11;  // 1/2048 of the length
   const ConvexPart& part = scene.object.parts[p];
   const Point* const vertices = scene.vertices[p];
+  std::int64_t most_touch = 0;
   for (int e = 0; e < part.edges.size(); ++e) {
     const ConvexPart::Edge& edge = part.edges[e];
     edges[e].pieces.clear();
@@ -138,16 +154,21 @@ void find_visible_edges(const ObjectScene& scene, int p, Shadow& shadow, EdgeVie
       length += by < 0 ? -by : by;
     }
     edges[e].touch = length >> kTouchBits;
+    most_touch = edges[e].touch > most_touch ? edges[e].touch : most_touch;
   }
   for (int q = 0; q < scene.object.parts.size(); ++q) {
-    if (q == p || !cast_shadow(scene, q, shadow)) continue;
+    // With the eye inside a part it has no outline, and hides nothing.
+    if (q == p || scene.front[q] == 0) continue;
+    bool any = false;
     for (int e = 0; e < part.edges.size(); ++e) {
       edges[e].inside = !edges[e].pieces.empty();
       edges[e].hidden = EdgePiece();
+      any = any || edges[e].inside;
     }
-    bool any = true;
-    for (int k = 0; any && k < shadow.size(); ++k) {
-      any = cut_by_plane(shadow[k], part, vertices, edges);
+    Shadow shadow(scene, q);
+    HalfSpace plane = {};
+    while (any && shadow.next(plane)) {
+      any = cut_by_plane(plane, part, vertices, most_touch, edges);
     }
     for (int e = 0; any && e < part.edges.size(); ++e) {
       if (!edges[e].inside || edges[e].hidden.end <= edges[e].hidden.begin) continue;
@@ -199,10 +220,9 @@ std::uint16_t share_of(std::int64_t a, std::int64_t b) {
 void find_visible_pieces(ObjectScene& scene, const FixedRotation& R_camera_object,
                          VisiblePieces& visible, DrawReport& report) {
   const int parts = scene.object.parts.size();
-  Shadow shadow;
   EdgeView edges[ConvexPart::kMaxEdges];
   for (int p = 0; p < parts; ++p) {
-    find_visible_edges(scene, p, shadow, edges);
+    find_visible_edges(scene, p, edges);
     add_visible(p, edges, scene.object.parts[p].edges.size(), visible, report);
   }
   Count none = 0;

@@ -210,8 +210,9 @@ template <class T>
 Status PinholeCamera<T>::unproject(const Vector2<T>& pixel, Vector3<T>& ray) const {
   const Vector2<T> distorted((pixel.x() - cx) / fx, (pixel.y() - cy) / fy);
   ray = {distorted.x(), distorted.y(), T(1)};
+  if (!has_distortion()) return Status::kOk;
   const T radius = sqrt(distorted.squaredNorm());
-  if (!has_distortion() || radius == T(0)) return Status::kOk;
+  if (radius == T(0)) return Status::kOk;
   T r = radius;
   bool found = false;
   if (lens == Lens::kFisheye) {

@@ -157,13 +157,54 @@ bool project_ray(const FixedCamera& camera, FixedTangent a, FixedTangent b, Fixe
   return true;
 }
 
+bool unproject(const FixedCamera& camera, const FixedPixel (&pixel)[2], FixedTangent (&ray)[2]) {
+  constexpr int kSteps = 12;
+  constexpr std::int32_t kClose = FixedPixel::nearest(0.01).raw();
+  constexpr int kBits = FixedTangent::kFractionBits;
+  Count lost = 0;
+  const FixedPixel centre[2] = {camera.cx, camera.cy};
+  const FixedPixel focal[2] = {camera.fx, camera.fy};
+  for (int i = 0; i < 2; ++i) {
+    ray[i] = divide<FixedTangent>(subtract(pixel[i], centre[i], lost), focal[i], lost);
+  }
+  if (!camera.has_distortion()) return lost == 0;
+  for (int step = 0; step < kSteps && lost == 0; ++step) {
+    FixedProjection seen;
+    if (!project_ray(camera, ray[0], ray[1], seen, lost)) return false;
+    std::int64_t off[2];  // in tangents
+    bool close = true;
+    for (int i = 0; i < 2; ++i) {
+      const FixedPixel by = subtract(pixel[i], seen.pixel[i], lost);
+      close = close && by.raw() <= kClose && by.raw() >= -kClose;
+      off[i] = divide<FixedTangent>(by, focal[i], lost).raw();
+    }
+    if (close) return lost == 0;
+    const auto entry = [&](int i, int j) { return std::int64_t{seen.rows[i][j].raw()}; };
+    const auto product = [&](std::int64_t x, std::int64_t y) {
+      return wide::multiply(x, y, kBits, lost);
+    };
+    const std::int64_t determinant =
+        product(entry(0, 0), entry(1, 1)) - product(entry(0, 1), entry(1, 0));
+    const std::int64_t by[2] = {product(entry(1, 1), off[0]) - product(entry(0, 1), off[1]),
+                                product(entry(0, 0), off[1]) - product(entry(1, 0), off[0])};
+    if (determinant <= 0) return false;
+    for (int i = 0; i < 2; ++i) {
+      const std::int64_t moved = ray[i].raw() + wide::divide(by[i], determinant, kBits, lost);
+      ray[i] = FixedTangent::from_raw(wide::narrow(moved, lost));
+    }
+  }
+  return false;
+}
+
 bool project(const FixedCamera& camera, const FixedLength (&p_camera)[3], FixedProjection& out,
              Count& saturations) {
   if (!is_ahead(p_camera)) return false;
-  Count none = 0;
-  const auto a = divide<FixedTangent>(p_camera[0], p_camera[2], none);
-  const auto b = divide<FixedTangent>(p_camera[1], p_camera[2], none);
-  return project_ray(camera, a, b, out, saturations);
+  const Reciprocal inverse(p_camera[2].raw());
+  const auto over = [&](FixedLength x) {
+    const std::int64_t quotient = inverse.times(x.raw(), FixedTangent::kFractionBits);
+    return FixedTangent::from_raw(wide::narrow(quotient, saturations));
+  };
+  return project_ray(camera, over(p_camera[0]), over(p_camera[1]), out, saturations);
 }
 
 }  // namespace detail

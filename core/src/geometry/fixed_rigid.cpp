@@ -23,15 +23,29 @@ void normalise(FixedRatio (&q)[4]) {
   }
 }
 
-/// Coordinates with `other` of another format, turned.
+/// A vector of 64-bit coordinates, turned, right to a unit; below 2^54.
 template <class To>
 void turn(const detail::FixedRotation& R, const std::int64_t (&v)[3], To (&out)[3], Count& count) {
+  constexpr int kLowBits = 24;
+  constexpr std::int64_t kMost = std::int64_t{1} << 54;
+  std::int32_t high[3];
+  std::int32_t low[3];
+  for (int j = 0; j < 3; ++j) {
+    const std::int64_t bounded = v[j] > kMost ? kMost : v[j] < -kMost ? -kMost : v[j];
+    if (bounded != v[j]) ++count;
+    high[j] = static_cast<std::int32_t>(bounded >> kLowBits);
+    low[j] = static_cast<std::int32_t>(bounded & ((1 << kLowBits) - 1));
+  }
   for (int i = 0; i < 3; ++i) {
     std::int64_t sum = 0;
+    std::int64_t rest = 0;
     for (int j = 0; j < 3; ++j) {
-      sum = wide::add(sum, wide::multiply(R.r[i][j].raw(), v[j], kRatioBits, count), count);
+      sum += std::int64_t{R.r[i][j].raw()} * high[j] >> 1;
+      rest += std::int64_t{R.r[i][j].raw()} * low[j];
     }
-    out[i] = convert<To>(FixedCoordinate::from_raw(sum), count);
+    sum += rest >> (kLowBits + 1);
+    out[i] = convert<To>(
+        FixedCoordinate::from_raw(wide::round_shift(sum, kRatioBits - kLowBits - 1)), count);
   }
 }
 

@@ -25,9 +25,17 @@ std::int64_t fixed_from_float(float value, int fraction_bits, std::uint32_t& sat
   }
   // Numbers below the smallest normal one are below every format's unit.
   if (exponent == 0U) return 0;
-  const auto mantissa = static_cast<std::int64_t>(kOne | fraction);
+  const std::uint32_t mantissa = kOne | fraction;
   const int shift = static_cast<int>(exponent) - kBias - kMantissaBits + fraction_bits;
-  const std::int64_t magnitude = wide::scale(mantissa, shift, saturations);
+  std::int64_t magnitude = 0;
+  if (shift > 62 - kMantissaBits) {
+    ++saturations;
+    magnitude = wide::kMostInt64;
+  } else if (shift >= 0) {
+    magnitude = std::int64_t{mantissa} << shift;
+  } else if (shift >= -kMantissaBits - 1) {
+    magnitude = static_cast<std::int32_t>(((mantissa >> (-shift - 1)) + 1U) >> 1U);
+  }
   return (bits & kSign) != 0U ? -magnitude : magnitude;
 }
 

@@ -19,8 +19,7 @@ std::int64_t multiply(std::int64_t a, std::int64_t b, int shift, std::uint32_t& 
   if ((x | y) >> 32U == 0) {  // as most are: one product
     const std::uint64_t product = x * y;
     if (shift == 0 ? product <= static_cast<std::uint64_t>(kMostInt64) : shift < 64) {
-      const std::uint64_t rounded =
-          shift == 0 ? product : (product >> shift) + ((product >> (shift - 1)) & 1U);
+      const std::uint64_t rounded = shift == 0 ? product : ((product >> (shift - 1)) + 1U) >> 1U;
       const auto result = static_cast<std::int64_t>(rounded);
       return negative ? -result : result;
     }

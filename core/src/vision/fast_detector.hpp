@@ -4,6 +4,7 @@
 
 #include "corner_sink.hpp"
 #include "fast_kernel.hpp"
+#include "fast_pixel_kernel.hpp"
 
 namespace cairn::vision {
 

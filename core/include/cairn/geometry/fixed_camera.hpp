@@ -85,6 +85,10 @@ bool project(const FixedCamera& camera, const FixedLength (&p_camera)[3], FixedP
 bool project_ray(const FixedCamera& camera, FixedTangent a, FixedTangent b, FixedProjection& out,
                  std::uint32_t& saturations);
 
+/// The ray (a, b, 1) of a pixel to a hundredth of a pixel; false where none is found. Cost: at most
+/// 12 steps of Newton's method, none without a distortion.
+bool unproject(const FixedCamera& camera, const FixedPixel (&pixel)[2], FixedTangent (&ray)[2]);
+
 /// The pixel alone, of any point of the camera frame.
 bool project_point(const FixedCamera& camera, const FixedLength (&p_camera)[3],
                    FixedPixel (&pixel)[2], std::uint32_t& saturations);

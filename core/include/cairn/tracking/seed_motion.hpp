@@ -30,16 +30,29 @@ inline Rigid<float> camera_after(const VehicleMotion& motion, int steps,
   return T_vehicle_camera.inverse() * (T_now_later * T_vehicle_camera);
 }
 
-/// Whether a point at `pixel`, `depth_m` away, is still in view of the camera at `T_later_now`,
+/// How far inside the picture a point must stay.
+inline constexpr float kStayingMargin_px = 6.0F;
+
+/// Whether a point at a pixel, `depth_m` away, is still in view of the camera at `T_later_now`,
 /// when its depth can be known. A seed that is not is in vain, and takes the place of one that
 /// stays.
-inline bool stays_in_view(const Vector2<float>& pixel, float depth_m,
-                          const PinholeCamera<float>& camera, const Rigid<float>& T_later_now) {
-  constexpr float kPatch_px = 6.0F;
-  const Vector3<float> p_now = depth_m * camera.unproject(pixel);
-  Vector2<float> later;
-  return ok(camera.project(T_later_now * p_now, later)) && camera.contains(later, kPatch_px);
-}
+class StayingInView {
+ public:
+  StayingInView(const PinholeCamera<float>& camera, const Rigid<float>& T_later_now, float depth_m)
+      : camera_(camera), T_later_now_(T_later_now), depth_m_(depth_m) {}
+
+  bool operator()(const Vector2<float>& pixel) const {
+    const Vector3<float> p_now = depth_m_ * camera_.unproject(pixel);
+    Vector2<float> later;
+    return ok(camera_.project(T_later_now_ * p_now, later)) &&
+           camera_.contains(later, kStayingMargin_px);
+  }
+
+ private:
+  const PinholeCamera<float>& camera_;
+  Rigid<float> T_later_now_;
+  float depth_m_;
+};
 
 /// Error of the estimate's rotation since the frame before, rad per square root of second.
 struct SeedNoise {

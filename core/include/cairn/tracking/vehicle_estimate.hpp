@@ -37,8 +37,8 @@ Status check_camera_of(const PinholeCamera<float>&, long) {
 }
 }  // namespace detail
 
-/// A planar SLAM filter, the camera on its vehicle, and the tracker's records of its landmarks,
-/// which come and go together. `Filter`: EkfSlam, LiftedIekfSlam or GroupIekfSlam, LandmarkDim 3.
+/// A planar SLAM filter (EkfSlam, LiftedIekfSlam or GroupIekfSlam, LandmarkDim 3), the camera on
+/// its vehicle, and the tracker's records of its landmarks, which come and go together.
 ///
 /// Poses and points are in the filter's frame, `world`. Vehicle frame: x forward, y left, z up,
 /// origin on the floor.
@@ -49,8 +49,8 @@ class VehicleEstimate {
   using Landmarks = TrackedLandmarks<kMaxLandmarks>;
   using Matches = FixedVector<PixelMatch<float>, kMaxLandmarks>;
 
-  /// Starts anew without landmarks. Errors: as Filter::initialise(), and kBadConfig for a camera
-  /// that the filter has no form of; nothing is changed.
+  /// Starts anew without landmarks. Errors, nothing changed: as Filter::initialise(), and
+  /// kBadConfig for a camera that the filter has no form of.
   Status initialise(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
                     const PlanarPose<float>& pose, const Matrix3<float>& covariance,
                     const PlanarParameters<float>& filter, float sigma_px,
@@ -86,7 +86,6 @@ class VehicleEstimate {
   const LandmarkId& next_id() const { return next_id_; }
   LandmarkId& next_id() { return next_id_; }
 
-  // What search_landmarks() asks of a filter.
   int size() const { return filter_.landmark_count(); }
   LandmarkId id(int slot) const { return filter_.landmark_id(slot); }
   template <class Prediction>
@@ -155,8 +154,8 @@ class VehicleEstimate {
   /// Notes how far below the camera the landmark lies, once, as soon as that is known well enough.
   /// Those of the library have the scale of another drive.
   void check_ground(FrameContext& frame, TrackedLandmark& landmark);
-  /// The vehicle moved by `ahead_m` by odometry, and the image added `correction_m` to it: what
-  /// that says of the floor's height, where the floor gives the map its scale.
+  /// The vehicle moved by `ahead_m` by odometry, and the image added `correction_m`: what that says
+  /// of the floor's height, where the floor gives the map its scale.
   void check_ground(float ahead_m, float correction_m) {
     ground_.note_way(ahead_m);
     if (floor_.sigma_m > 0.0F && floor_proof_.proven()) ground_.note_step(ahead_m, correction_m);

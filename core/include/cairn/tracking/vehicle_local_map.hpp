@@ -219,9 +219,9 @@ void VehicleLocalMap<Config, Filter>::begin_seeds(Frame& frame, Estimate& estima
   if (few) supply.cells_per_frame *= 2;
   const Rigid<float> T_later_now =
       camera_after(motion, seeds.min_views - 1, estimate.T_vehicle_camera()).inverse();
-  supply_.close_cells([&](const Vector2<float>& pixel) {
-    return !stays_in_view(pixel, seeds.initial_depth_m, frame.camera, T_later_now);
-  });
+  const typename VehicleNumbers<Filter>::StayingInView stays(frame.camera, T_later_now,
+                                                             seeds.initial_depth_m);
+  supply_.close_cells([&](const Vector2<float>& pixel) { return !stays(pixel); });
   const int found = propose_corners(frame, supply_, supply, limit, frame.scratch.supply, corners);
   if (found == 0 || !begin_keyframe(frame, estimate)) return;
   for (int i = 0; i < found && frame.work.take(work::kAppearance); ++i) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/map/fixed_visibility.hpp"
+#include "cairn/tracking/fixed_seed_motion.hpp"
 #include "cairn/tracking/fixed_seed_odometry.hpp"
 #include "cairn/tracking/seed_odometry.hpp"
 
@@ -16,6 +17,7 @@ struct VehicleNumbers {
   template <int MaxSeeds, int MaxKeyframes>
   using SeedOdometry = cairn::SeedOdometry<MaxSeeds, MaxKeyframes>;
   using LandmarkViews = cairn::LandmarkViews<float>;
+  using StayingInView = cairn::StayingInView;
 
   template <class Estimate>
   static Rigid<float> T_world_camera(const Estimate& estimate) {
@@ -28,6 +30,7 @@ struct VehicleNumbers<FixedVehicleSlam<MaxLandmarks>> {
   template <int MaxSeeds, int MaxKeyframes>
   using SeedOdometry = FixedSeedOdometry<MaxSeeds, MaxKeyframes>;
   using LandmarkViews = FixedLandmarkViews;
+  using StayingInView = FixedStayingInView;
 
   template <class Estimate>
   static FixedRigid T_world_camera(const Estimate& estimate) {

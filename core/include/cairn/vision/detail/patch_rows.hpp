@@ -5,6 +5,7 @@
 #include <cstring>
 #include <utility>
 
+#include "cairn/vision/detail/word_dsp.hpp"
 #include "cairn/vision/image.hpp"
 
 #if defined(__ARM_FEATURE_SIMD32)
@@ -176,19 +177,21 @@ class RowSampler {
   static constexpr int kShift = 16 - kValueBits;
   static constexpr std::int32_t kHalf = 1 << (kShift - 1);
 
-  std::int32_t column(const std::uint8_t* p) const {
-    const std::int32_t above = *p;
-    return (above << 8) + (p[down_] - above) * fy_;
-  }
   // Written out, because -O2 does not unroll.
   template <class F, int... X>
   __attribute__((always_inline)) void visit(const std::uint8_t* p, F f,
                                             std::integer_sequence<int, X...>) const {
-    std::int32_t left = column(p);
+    const std::uint8_t* const below = keep_in_register(p + down_);
+    const std::int32_t bias = keep_in_register(kHalf - (128 << 16));
+    const auto column = [&](int x) __attribute__((always_inline)) {
+      const std::int32_t above = p[x];
+      return (above << 8) + (below[x] - above) * fy_;
+    };
+    std::int32_t left = column(0);
     const auto step = [&](int x) __attribute__((always_inline)) {
       const bool ends = x == kPatchSide - 1 && fx_ == 0;
-      const std::int32_t right = ends ? 0 : column(p + x + 1);
-      f(x, ((left << 8) + (right - left) * fx_ - (128 << 16) + kHalf) >> kShift);
+      const std::int32_t right = ends ? 0 : column(x + 1);
+      f(x, (bias + (left << 8) + (right - left) * fx_) >> kShift);
       left = right;
     };
     (step(X), ...);
