@@ -3,6 +3,8 @@
 #include "cairn/numeric/float_bits.hpp"
 #include "cairn/numeric/reciprocal.hpp"
 
+#include "patch_finder.hpp"
+
 namespace cairn {
 namespace {
 
@@ -20,6 +22,10 @@ std::int64_t root_of(std::int64_t value, int bits, int wanted) {
 int half_window(std::int64_t squared, int limit) {
   return clamp(static_cast<int>(root_of(squared, kBits, 8) >> 8) + 1, 2, limit);
 }
+
+struct FixedPlaces : FixedPatchWindow {
+  static bool contains(int /*x*/, int /*y*/) { return true; }
+};
 
 }  // namespace
 
@@ -110,6 +116,23 @@ bool FixedPatchWindow::contains_q8(int x_q8, int y_q8) const {
   if (!reach(std::int64_t{y_q8} * kToQ8 - centre_y_, middle, half)) return false;
   const std::int64_t off = std::int64_t{x_q8} * kToQ8 - centre_x_ - middle;
   return off <= half && off >= -half;
+}
+
+int patch_search_work(const FixedPatchWindow& window) {
+  return patch_finder::work_of(window.places());
+}
+
+Status search_patch(const ImageView& image, const FixedPatchWindow& window, const Patch& patch,
+                    const PatchWarp& warp, const PatchSearchParameters& parameters,
+                    Vector2<float>& pixel) {
+  patch_finder::PlaceQ8 found;
+  const Status status =
+      patch_finder::find_patch(image, FixedPlaces{window}, patch, warp, parameters, found);
+  if (ok(status)) {
+    using Q8 = Fixed<std::int32_t, 8>;
+    pixel = Vector2<float>(float_of(Q8::from_raw(found.x)), float_of(Q8::from_raw(found.y)));
+  }
+  return status;
 }
 
 }  // namespace cairn

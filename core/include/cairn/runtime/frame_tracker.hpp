@@ -171,6 +171,10 @@ class FrameTracker {
   const TrackedLandmarks<kMaxLandmarks>& landmarks() const { return estimate_.landmarks(); }
   /// Of the tracker and of its filter.
   Health health() const { return with_filter(health_, filter().health()); }
+  /// Results that did not fit their format, of a tracker in fixed point.
+  std::uint32_t saturations() const {
+    return filter().saturations() + local_map_.seeds().saturations();
+  }
   TrackingState state() const;
   /// How far the mount and the focal length seem to be from what initialise() was told.
   const MountOffset& mount_offset() const { return doubt_.mount_offset(); }
