@@ -68,6 +68,22 @@ TEST(PredictView, ComingNearerRaisesTheScale) {
   EXPECT_EQ(predict_view(camera, pose, l.p_map, l.views[0], p), Status::kOutOfView);
 }
 
+/// A map from elsewhere may hold any finite number.
+TEST(PredictView, WhatOverflowsIsOutOfView) {
+  LandmarkMaker maker(3);
+  const auto camera = vga_camera<float>();
+  auto l = seen_from_origin(maker, 1, Vector3<float>(0, 0, 4));
+  l.p_map = Vector3<float>(1e38F, 0, 2e38F);
+  l.views[0].focal_px = 1e-3F;
+  ViewPrediction<float> p;
+  p.pixel.x() = -7.0F;
+  EXPECT_EQ(predict_view(camera, Rigid<float>(), l.p_map, l.views[0], p), Status::kOutOfView);
+  l.p_map = Vector3<float>(0, 0, 4);
+  l.views[0].focal_px = 1e-38F;
+  EXPECT_EQ(predict_view(camera, Rigid<float>(), l.p_map, l.views[0], p), Status::kOutOfView);
+  EXPECT_EQ(p.pixel.x(), -7.0F);
+}
+
 TEST(FindVisible, GivesWhatAPoseShouldSeeHighestScoreFirst) {
   LandmarkMaker maker(4);
   const auto camera = vga_camera<float>();

@@ -47,11 +47,14 @@ Status predict_view(const PinholeCamera<T>& camera, const Rigid<T>& T_map_camera
 
   const Vector3<T> to_camera = T_map_camera.translation - p_map;
   const Vector3<T> to_reference = view.T_map_reference.translation - p_map;
+  const T cosine_of_view =
+      to_camera.dot(to_reference) / sqrt(to_camera.squaredNorm() * to_reference.squaredNorm());
+  const T scale_ratio = (focal(camera) * p_reference.z()) / (view.focal_px * p_camera.z());
+  if (!is_finite(pixel.sum() + scale_ratio + cosine_of_view)) return Status::kOutOfView;
   prediction.pixel = pixel;
   prediction.p_camera = p_camera;
-  prediction.cosine =
-      to_camera.dot(to_reference) / sqrt(to_camera.squaredNorm() * to_reference.squaredNorm());
-  prediction.scale_ratio = (focal(camera) * p_reference.z()) / (view.focal_px * p_camera.z());
+  prediction.cosine = cosine_of_view;
+  prediction.scale_ratio = scale_ratio;
   const T octaves = log(prediction.scale_ratio) * static_cast<T>(1.44269504088896341);
   const int index = view.pose.scale_index + round_to_int(octaves * T(kScaleStepsPerOctave));
   prediction.pose.scale_index = static_cast<std::uint8_t>(clamp(index, 0, kMaxFreakScaleIndex));

@@ -80,8 +80,8 @@ inline constexpr int kMaxFreakScaleIndex = 24;
 /// Predicts pixel, roll and scale of a view from another camera pose. Roll: the direction that the
 /// orientation bin had in the reference image, put on a plane facing the reference camera,
 /// projected again. Scale index = reference + 16 log2(scale_ratio), scale_ratio = (f / z) / (f_ref
-/// / z_ref). kOutOfView, output untouched, when the point has no pixel in one of the two cameras;
-/// the pixel may lie outside the image.
+/// / z_ref). kOutOfView, output untouched, when the point has no pixel in one of the two cameras,
+/// or is so far away that numbers overflow; the pixel may lie outside the image.
 template <class T>
 Status predict_view(const PinholeCamera<T>& camera, const Rigid<T>& T_map_camera,
                     const Vector3<T>& p_map, const LandmarkView<T>& view,
