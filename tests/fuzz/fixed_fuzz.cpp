@@ -71,19 +71,19 @@ class Run {
   }
 
   void step(Input& input) {
-    const std::uint64_t before = hash();
+    const Before before(filter_);
     const NoAllocation none;
     // A prediction may take in the odometry's noise, whether the landmark is in view or not.
     bool takes_in = false;
     const Status status = call(input, takes_in);
-    PROMISE(3, ok(status) || takes_in || hash() == before);
+    PROMISE(3, ok(status) || takes_in || before.unchanged());
     check();
   }
 
  private:
   Status call(Input& input, bool& takes_in) {
     FixedUpdateReport report;
-    switch (input.below(Dim == 3 ? 14 : 9)) {
+    switch (input.below(Dim == 3 ? 20 : 13)) {
       case 0:
       case 1:
       case 2:
@@ -111,13 +111,26 @@ class Run {
       case 8:
         return add(input);
       case 9:
+        return filter_.slide(number<FixedVariance>(input, 0.0, 0.1));
       case 10:
-        return pixels(input);
+        return filter_.drift_world(number<FixedVariance>(input, 0.0, 1e-2),
+                                   number<FixedVariance>(input, 0.0, 1e-3));
       case 11:
+        return moved(input);
+      case 12:
+        return predict_range_bearing(input);
+      case 13:
+      case 14:
+        return pixels(input, takes_in);
+      case 15:
         takes_in = true;
         return predict_pixel(input);
-      case 12:
+      case 16:
         return filter_.predict_tilt(number<FixedOffset>(input, 0.0, 1.0));
+      case 17:
+        return on_path(input);
+      case 18:
+        return framed(input);
       default:
         return filter_.update_height(id(input), number<FixedLength>(input, -1.0, 3.0),
                                      number<FixedLength>(input, 1e-3, 0.2),
@@ -156,22 +169,15 @@ class Run {
     const LandmarkId of = id(input);
     const FixedLength x = number<FixedLength>(input, 0.5, 8.0);
     const FixedLength y = number<FixedLength>(input, -4.0, 4.0);
-    const FixedCovariance2 noise = covariance(input);
     if constexpr (Dim == 3) {
       const FixedLength at[3] = {x, y, number<FixedLength>(input, 0.0, 3.0)};
-      return filter_.add_landmark(of, at,
-                                  {noise.xx,
-                                   noise.xy,
-                                   noise.yy,
-                                   {},
-                                   number<FixedVariance>(input, 0.0, 1e-5),
-                                   number<FixedVariance>(input, 1e-4, 0.5)});
+      return filter_.add_landmark(of, at, covariance3(input));
     } else {
-      return filter_.add_landmark(of, x, y, noise);
+      return filter_.add_landmark(of, x, y, covariance(input));
     }
   }
 
-  Status pixels(Input& input) {
+  Status pixels(Input& input, bool& takes_in) {
     if constexpr (Dim == 3) {
       const FixedCamera seen_by = camera(input);
       const FixedMount at = mount(input);
@@ -181,12 +187,99 @@ class Run {
         matches[i].id = id(input);
         for (FixedPixel& pixel : matches[i].pixel) pixel = number<FixedPixel>(input, 0.0, 640.0);
       }
+      const FixedPixel sigma = number<FixedPixel>(input, 0.1, 2.0);
       FixedUpdateReport report;
-      return filter_.update_pixels(seen_by, at, number<FixedPixel>(input, 0.1, 2.0), matches, count,
-                                   report);
+      FixedVector<FixedPlannedPixel, kLandmarks> plan;
+      switch (input.below(3)) {
+        case 0:
+          return filter_.update_pixels(seen_by, at, sigma, matches, count, report);
+        case 1: {
+          const Status status =
+              filter_.update_pixels(seen_by, at, sigma, matches, count, random_, report);
+          takes_in = status == Status::kNoConsensus;
+          return status;
+        }
+        default: {
+          takes_in = true;
+          const Status status = filter_.plan_pixels(seen_by, at, sigma, plan);
+          PROMISE(6, plan.size() <= filter_.landmark_count());
+          return status;
+        }
+      }
     } else {
       return Status::kOk;
     }
+  }
+
+  Status predict_range_bearing(Input& input) {
+    FixedRangeBearingPrediction prediction;
+    const int of = slot(input);
+    const Status status = filter_.predict_range_bearing(
+        of, number<FixedLength>(input, -0.5, 0.5), number<FixedLength>(input, 1e-3, 0.3),
+        number<FixedAngle>(input, 1e-3, 0.1), prediction);
+    PROMISE(5, !ok(status) || !fits() || prediction.range_variance.raw() >= 0);
+    return status;
+  }
+
+  /// Recognised elsewhere, and perhaps not.
+  Status moved(Input& input) {
+    const FixedPose pose = {number<FixedCoordinate>(input, -20.0, 20.0),
+                            number<FixedCoordinate>(input, -20.0, 20.0),
+                            FixedAngle::nearest(0.02 * input.byte() - 2.5)};
+    const auto before = filter_.place(pose, number<FixedVariance>(input, 0.0, 1.0),
+                                      number<FixedVariance>(input, 0.0, 0.1));
+    if (input.flag()) filter_.put_back(before);
+    static_cast<void>(filter_.recentre());
+    return Status::kOk;
+  }
+
+  Status on_path(Input& input) {
+    if constexpr (Dim == 3) {
+      if (input.byte() < 80) return filter_.add_position(id(input));
+      FixedLength at[3];
+      for (FixedLength& coordinate : at) coordinate = number<FixedLength>(input, -2.0, 8.0);
+      FixedLength by_path[3][2];
+      for (auto& row : by_path) {
+        for (FixedLength& element : row) element = number<FixedLength>(input, -2.0, 2.0);
+      }
+      return filter_.add_landmark_on_path(id(input), at, covariance3(input), id(input), by_path);
+    } else {
+      return Status::kOk;
+    }
+  }
+
+  Status framed(Input& input) {
+    if constexpr (Dim == 3) {
+      const LandmarkId origin = id(input);
+      const LandmarkId ahead = id(input);
+      const int kind = input.below(3);
+      if (kind == 2) {
+        const Status status =
+            filter_.widen_frame(origin, ahead, number<FixedVariance>(input, 0.0, 0.1),
+                                number<FixedVariance>(input, 0.0, 0.01));
+        if (ok(status)) static_cast<void>(filter_.framed_pose_covariance(origin, ahead));
+        return status;
+      }
+      FixedCoordinate p[3];
+      for (FixedCoordinate& coordinate : p) {
+        coordinate = number<FixedCoordinate>(input, -10.0, 10.0);
+      }
+      return kind == 0
+                 ? filter_.add_frame_position(id(input), p, covariance3(input), origin)
+                 : filter_.add_framed_landmark(id(input), p, covariance3(input), origin, ahead);
+    } else {
+      return Status::kOk;
+    }
+  }
+
+  static FixedCovariance3 covariance3(Input& input) {
+    const FixedCovariance2 plane = covariance(input);
+    return {plane.xx,
+            plane.xy,
+            plane.yy,
+            {},
+            number<FixedVariance>(input, 0.0, 1e-5),
+            number<FixedVariance>(input, 1e-4, 0.5)};
   }
 
   Status predict_pixel(Input& input) {
@@ -194,7 +287,10 @@ class Run {
       FixedPixelPrediction prediction;
       const int of = slot(input);
       const FixedCamera seen_by = camera(input);
-      return filter_.predict_pixel(of, seen_by, mount(input), FixedPixel::nearest(0.5), prediction);
+      const FixedMount at = mount(input);
+      constexpr FixedPixel kSigma = FixedPixel::nearest(0.5);
+      return input.flag() ? filter_.predict_pixel(of, seen_by, at, kSigma, prediction)
+                          : filter_.expect_pixel(of, seen_by, at, kSigma, prediction);
     } else {
       return Status::kOk;
     }
@@ -205,10 +301,12 @@ class Run {
   }
   static int slot(Input& input) { return input.below(kLandmarks + 2) - 1; }
 
-  std::uint64_t hash() const {
-    Hash64 sum;
-    filter_.hash(sum);
-    return sum.value();
+  /// Beyond the format the moments that are read out are what it holds.
+  bool fits() const {
+    FixedPose pose;
+    FixedPoseCovariance known;
+    filter_.pose(pose, known);
+    return filter_.saturations() == 0 && known.heading.raw() < kLargestVariance;
   }
 
   void check() const {
@@ -217,13 +315,12 @@ class Run {
     filter_.pose(pose, known);
     PROMISE(4, pose.heading <= kFixedPi && pose.heading > -kFixedPi);
     PROMISE(5, known.heading.raw() >= 0);
-    // Beyond the format the moments that are read out are what it holds.
-    const bool fits = filter_.saturations() == 0 && known.heading.raw() < kLargestVariance;
-    PROMISE(5, !fits || (known.position.xx.raw() >= 0 && known.position.yy.raw() >= 0));
+    PROMISE(5, !fits() || (known.position.xx.raw() >= 0 && known.position.yy.raw() >= 0));
     PROMISE(6, filter_.landmark_count() <= kLandmarks);
     for (int i = 0; i < filter_.landmark_count(); ++i) {
       const FixedLandmark landmark = filter_.landmark(i);
-      PROMISE(5, !fits || (landmark.covariance.xx.raw() >= 0 && landmark.covariance.yy.raw() >= 0));
+      PROMISE(5,
+              !fits() || (landmark.covariance.xx.raw() >= 0 && landmark.covariance.yy.raw() >= 0));
       if constexpr (Dim == 3) PROMISE(5, filter_.landmark_height_variance(i).raw() >= 0);
     }
     if constexpr (Dim == 3) {
@@ -233,6 +330,7 @@ class Run {
   }
 
   Filter filter_;
+  Random random_{1};
 };
 
 }  // namespace
@@ -242,5 +340,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   using namespace cairn;
   using namespace cairn::fuzz;
   return run_one_of<Run<2, FixedError::kGroup>, Run<3, FixedError::kGroup>,
-                    Run<2, FixedError::kWorld>>(bytes, size);
+                    Run<2, FixedError::kWorld>>(bytes, size, 24);
 }

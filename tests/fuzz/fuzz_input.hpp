@@ -8,6 +8,9 @@
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <new>
+
+#include "cairn/base/hash.hpp"
 
 /// Ends the fuzzing with a finding where a promise of docs/reference/robustness-promises.md does
 /// not hold.
@@ -161,27 +164,60 @@ struct ExactPicture {
   }
 };
 
+/// An object as it was before a call, for promise 3. Most calls are accepted, so its hash is taken
+/// after a refusal alone: hashes of a whole tracker would take longer than its calls.
+template <class Object>
+class Before {
+ public:
+  explicit Before(const Object& object) : object_(object) { copy_of_bytes(object, memory()); }
+
+  bool unchanged() const {
+    if (std::memcmp(memory(), &object_, sizeof(Object)) == 0) return true;
+    return hash_of(*reinterpret_cast<const Object*>(memory())) == hash_of(object_);
+  }
+  const Object& object() const { return *reinterpret_cast<const Object*>(memory()); }
+
+ private:
+  static void copy_of_bytes(const Object& from, std::uint8_t* to) {
+    std::memcpy(to, static_cast<const void*>(&from), sizeof(Object));
+  }
+  static std::uint64_t hash_of(const Object& object) {
+    Hash64 hash;
+    object.hash(hash);
+    return hash.value();
+  }
+  static std::uint8_t* memory() {
+    alignas(Object) static std::uint8_t bytes[sizeof(Object)];
+    return bytes;
+  }
+
+  const Object& object_;
+};
+
+/// Steps with the fuzzer's bytes. `Run` lies in one place for all executions and is built there
+/// anew: memory of its own for each would come from fresh pages.
 template <class Run>
 void run_steps(Input& input, int steps) {
-  const auto run = std::make_unique<Run>(input);
+  alignas(Run) static std::uint8_t memory[sizeof(Run)];
+  Run* const run = new (memory) Run(input);
   for (int i = 0; i < steps && !input.empty(); ++i) run->step(input);
+  run->~Run();
 }
 
 /// Steps of one of three runs with the fuzzer's bytes, the first of which says of which.
 template <class First, class Second, class Third>
-int run_one_of(const std::uint8_t* bytes, std::size_t size) {
-  constexpr int kSteps = 100;
+int run_one_of(const std::uint8_t* bytes, std::size_t size, int steps) {
   count_allocations();
   Input input(bytes, size);
   switch (input.below(3)) {
     case 0:
-      run_steps<First>(input, kSteps);
+      run_steps<First>(input, steps);
       break;
     case 1:
-      run_steps<Second>(input, kSteps);
+      run_steps<Second>(input, steps);
       break;
     default:
-      run_steps<Third>(input, kSteps);
+      run_steps<Third>(input, steps);
       break;
   }
   return 0;

@@ -1,6 +1,7 @@
 // HandheldTracker: calls with arbitrary values in any order, from a cold and a warm start.
 #include "cairn/runtime/handheld_tracker.hpp"
 
+#include "drawn_scene.hpp"
 #include "tracker_scene.hpp"
 
 namespace cairn::fuzz {
@@ -15,13 +16,19 @@ class Run : TrackerRun<Tracker> {
   }
 
   void usual_frame() { show_next(); }
+  void dark_frame() { show_dark(); }
 
   void step(Input& input) {
-    const int kind = input.below(kVideoSteps + 1);
-    if (kind < kVideoSteps) {
-      video_step(kind, input);
-    } else {
-      input.flag() ? load_changed_map(tracker_, input) : restart(input);
+    const int kind = input.below(kVideoSteps + 2);
+    switch (kind - kVideoSteps) {
+      case 0:
+        input.flag() ? load_changed_map(tracker_, input) : restart(input);
+        break;
+      case 1:
+        draw(input);
+        break;
+      default:
+        video_step(kind, input);
     }
     check();
   }
@@ -42,6 +49,13 @@ class Run : TrackerRun<Tracker> {
     TrackerRun::restart(parameters, [&] { return tracker_.initialise(camera, parameters); });
   }
 
+  void draw(Input& input) {
+    const Rigid<float> T_map_camera = tracker_.filter().T_world_camera();
+    ObjectPlacement placement;
+    draw_frame(tracker_, T_map_camera, placement, input);
+    place_at(tracker_.filter(), input);
+  }
+
   void check() const {
     const auto& filter = tracker_.filter();
     PROMISE(4, good_pose(filter.T_world_camera()));
@@ -60,5 +74,5 @@ class Run : TrackerRun<Tracker> {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace cairn::fuzz;
-  return run_from_start<Run>(bytes, size, 24, 40);
+  return run_from_start<Run>(bytes, size, kWarmFrames, kTrackerSteps);
 }

@@ -17,23 +17,25 @@ namespace cairn::fuzz {
 
 /// Small, so that a frame takes a fraction of a millisecond.
 struct SmallConfig : TinyConfig {
-  static constexpr int kMaxImageWidth = 160;
-  static constexpr int kMaxImageHeight = 120;
+  static constexpr int kMaxImageWidth = 112;
+  static constexpr int kMaxImageHeight = 84;
   static constexpr int kLibraryLandmarks = 24;
   static constexpr int kMaxKeyframes = 4;
   static constexpr int kRelocalisationFeatures = 32;
   static constexpr int kRelocalisationMatches = 32;
 };
 
-inline constexpr int kPictures = 24;
+inline constexpr int kPictures = 16;
+inline constexpr int kWarmFrames = 2 * kPictures;
+inline constexpr int kTrackerSteps = 12;
 inline constexpr double kStep_m = 0.02;
 inline constexpr std::int64_t kFrameUs = 33333;
 
 inline PinholeCamera<double> scene_camera() {
   PinholeCamera<double> camera;
-  camera.fx = camera.fy = 130.0;
-  camera.cx = 79.5;
-  camera.cy = 59.5;
+  camera.fx = camera.fy = 91.0;
+  camera.cx = 55.5;
+  camera.cy = 41.5;
   camera.width = SmallConfig::kMaxImageWidth;
   camera.height = SmallConfig::kMaxImageHeight;
   return camera;
@@ -131,13 +133,6 @@ inline std::int64_t later(std::int64_t t_us, std::int64_t by_us) {
                    : std::numeric_limits<std::int64_t>::min();
 }
 
-template <class Object>
-std::uint64_t state_of(const Object& object) {
-  Hash64 hash;
-  object.hash(hash);
-  return hash.value();
-}
-
 template <class Pose>
 bool good_pose(const Pose& pose) {
   return pose.translation.allFinite() && pose.rotation.coeffs().allFinite() &&
@@ -148,14 +143,14 @@ bool good_pose(const Pose& pose) {
 template <class Tracker>
 bool process_frame(Tracker& tracker, const ImageView& image, std::int64_t t_us,
                    FrameReport& report) {
-  const std::uint64_t before = state_of(tracker);
+  const Before before(tracker);
   const std::int64_t untouched = t_us == 7 ? 8 : 7;
   report.t_us = untouched;
   const NoAllocation none;
   const Status status = tracker.process_frame(image, t_us, TickSource(), report);
   if (report.t_us != untouched) return true;
   PROMISE(1, !ok(status));
-  PROMISE(3, state_of(tracker) == before);
+  PROMISE(3, before.unchanged());
   return false;
 }
 
@@ -178,11 +173,11 @@ void load_changed_map(Tracker& tracker, Input& input) {
         input.byte();
   }
   if (input.flag()) map.seal();
-  const std::uint64_t before = state_of(tracker);
+  const Before before(tracker);
   MapFileInfo info;
   const NoAllocation none;
   const Status status = tracker.load_map(map.source(), info);
-  PROMISE(3, ok(status) || state_of(tracker) == before);
+  PROMISE(3, ok(status) || before.unchanged());
 }
 
 /// What the runs of all trackers share: pictures, a clock, and what holds after every frame.
@@ -217,6 +212,13 @@ class TrackerRun {
     if (kind == 5) return change_limit(input, 14000);
     show_next();
   }
+  /// Without anything to see.
+  void show_dark() {
+    static const std::vector<std::uint8_t> dark(
+        static_cast<std::size_t>(SmallConfig::kMaxImageWidth * SmallConfig::kMaxImageHeight), 16);
+    t_us_ = later(t_us_, kFrameUs);
+    show(test::view(dark, scene_camera()));
+  }
   void show_odd(Input& input) {
     const OddPicture odd(input);
     if (input.flag()) t_us_ = later(t_us_, kFrameUs);
@@ -235,10 +237,10 @@ class TrackerRun {
   /// Initialises the tracker by `initialise`; whether it did. A refusal leaves its state.
   template <class Initialise>
   bool restart(const Parameters& parameters, const Initialise& initialise) {
-    const std::uint64_t before = state_of(tracker_);
+    const Before before(tracker_);
     const NoAllocation none;
     const Status status = initialise();
-    PROMISE(3, ok(status) || state_of(tracker_) == before);
+    PROMISE(3, ok(status) || before.unchanged());
     if (ok(status)) limit_ = parameters.work_limit;
     return ok(status);
   }
@@ -253,19 +255,46 @@ class TrackerRun {
   int limit_ = Parameters().work_limit;
 };
 
-/// Steps of a run with the fuzzer's bytes, from a cold start or after some frames.
+/// Where a run may begin: with nothing, with a young map, with one that is known, and lost with its
+/// map.
+template <class Run>
+class Starts {
+ public:
+  static constexpr int kCount = 4;
+
+  explicit Starts(int warm_frames) {
+    add(Run());
+    for (const int frames : {warm_frames / 4, warm_frames - warm_frames / 4}) {
+      Run& next = add(*runs_.back());
+      for (int i = 0; i < frames; ++i) next.usual_frame();
+    }
+    Run& lost = add(*runs_.back());
+    for (int i = 0; i < kDarkFrames; ++i) lost.dark_frame();
+  }
+  const Run& operator[](int i) const { return *runs_[static_cast<std::size_t>(i)]; }
+
+ private:
+  static constexpr int kDarkFrames = 45;
+
+  Run& add(const Run& from) {
+    runs_.push_back(std::make_unique<Run>(from));
+    return *runs_.back();
+  }
+
+  std::vector<std::unique_ptr<Run>> runs_;
+};
+
+/// Steps of a run with the fuzzer's bytes, the first of which says of the start. `Run` lies in one
+/// place for all executions.
 template <class Run>
 int run_from_start(const std::uint8_t* bytes, std::size_t size, int warm_frames, int steps) {
   count_allocations();
-  static const std::unique_ptr<Run> cold = std::make_unique<Run>();
-  static const std::unique_ptr<Run> warm = [&] {
-    auto run = std::make_unique<Run>();
-    for (int i = 0; i < warm_frames; ++i) run->usual_frame();
-    return run;
-  }();
+  static const Starts<Run> starts(warm_frames);
+  alignas(Run) static std::uint8_t memory[sizeof(Run)];
   Input input(bytes, size);
-  const auto run = std::make_unique<Run>(input.flag() ? *warm : *cold);
+  Run* const run = new (memory) Run(starts[input.below(Starts<Run>::kCount)]);
   for (int i = 0; i < steps && !input.empty(); ++i) run->step(input);
+  run->~Run();
   return 0;
 }
 

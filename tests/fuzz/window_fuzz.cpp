@@ -1,7 +1,9 @@
 // WindowTracker: frames and a gyroscope's samples with arbitrary values in any order, from a cold
 // and a warm start.
+#include "cairn/runtime/window_augmentation.hpp"
 #include "cairn/runtime/window_tracker.hpp"
 
+#include "drawn_scene.hpp"
 #include "tracker_scene.hpp"
 
 namespace cairn::fuzz {
@@ -16,9 +18,10 @@ class Run : TrackerRun<Tracker> {
   }
 
   void usual_frame() { show_next(); }
+  void dark_frame() { show_dark(); }
 
   void step(Input& input) {
-    const int kind = input.below(kVideoSteps + 3);
+    const int kind = input.below(kVideoSteps + 4);
     switch (kind - kVideoSteps) {
       case 0:
         wild_sample(input);
@@ -28,6 +31,9 @@ class Run : TrackerRun<Tracker> {
         break;
       case 2:
         restart(input);
+        break;
+      case 3:
+        draw(input);
         break;
       default:
         video_step(kind, input);
@@ -57,13 +63,13 @@ class Run : TrackerRun<Tracker> {
   }
 
   void add(const AngularRateSample& sample) {
-    const std::uint64_t before = state_of(tracker_);
+    const Before before(tracker_);
     const GyroReport gyro = tracker_.gyro().report();
     const NoAllocation none;
     const Status status = tracker_.add_angular_rate(sample);
     const GyroReport after = tracker_.gyro().report();
     const bool taken = ok(status) || status == Status::kGated;
-    PROMISE(3, state_of(tracker_) == before);
+    PROMISE(3, before.unchanged());
     PROMISE(3, after.samples == gyro.samples + (taken ? 1U : 0U));
     PROMISE(3, after.refused == gyro.refused + (taken ? 0U : 1U));
   }
@@ -83,10 +89,19 @@ class Run : TrackerRun<Tracker> {
                               &parameters.gyro.noise_density,
                               &parameters.gyro.bias_sigma_radps,
                               &parameters.gyro.time_sigma_s,
-                              &parameters.gyro.range_radps};
+                              &parameters.gyro.range_radps,
+                              &parameters.readout.row_time_s,
+                              &parameters.readout.column_time_s};
+    if (input.flag()) parameters.readout.row_time_s = 2e-4F;
     change(input, numbers);
     if (input.byte() > 240) camera.lens = Lens::kFisheye;
     TrackerRun::restart(parameters, [&] { return tracker_.initialise(camera, parameters); });
+  }
+
+  void draw(Input& input) {
+    ObjectPlacement placement;
+    draw_frame(tracker_, tracker_.T_world_camera(), placement, input);
+    place_at(tracker_, input);
   }
 
   void check() const {
@@ -119,5 +134,5 @@ class Run : TrackerRun<Tracker> {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace cairn::fuzz;
-  return run_from_start<Run>(bytes, size, 24, 16);
+  return run_from_start<Run>(bytes, size, kWarmFrames, kTrackerSteps);
 }

@@ -265,7 +265,8 @@ class PlanarSlam {
   LandmarkVector landmark_position(int slot) const { return model_.landmark_position(slot); }
   LandmarkMatrix landmark_covariance(int slot) const { return model_.landmark_covariance(slot); }
   /// Covariance of a landmark's place as seen from the vehicle, m^2, without what the vehicle's own
-  /// pose is wrong by; in the world's axes (LiftedIekfSlam: the vehicle's).
+  /// pose is wrong by; in the world's axes (LiftedIekfSlam: the vehicle's). A difference, so that
+  /// rounding can leave a variance below 0.
   LandmarkMatrix relative_landmark_covariance(int slot) const;
   /// Element of the covariance of the error model's own error, deferred noise included: EkfSlam (x,
   /// y, heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks), both with pitch and roll

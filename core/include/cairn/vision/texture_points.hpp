@@ -44,7 +44,8 @@ class TexturePoints {
       closed_[i] = false;
     }
   }
-  /// Closes the cells whose middle, or whose point, is within `distance` of (x, y).
+  /// Closes the cells whose middle, or whose point, is within `distance` of (x, y). Domain: sums of
+  /// them have an integer part that an int holds.
   void close(float x, float y, float distance);
   int open_cells() const {
     int count = 0;
