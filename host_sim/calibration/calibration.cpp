@@ -19,7 +19,7 @@ constexpr int kRejections = 3;
 constexpr double kRejectedOverMedian = 3.0;
 constexpr double kNeverRejected_px = 0.3;  // below it a board is good, however good the others are
 constexpr double kSigmasOfCoefficient = 3.0;  // a smaller k3 is not told from 0
-constexpr double kSameRms = 1.02;             // of a fisheye with fewer coefficients
+constexpr double kSameRms = 1.02;             // of a fit with fewer coefficients
 constexpr int kK3 = 8;                        // its place in OpenCV's list of deviations
 
 using Points2 = std::vector<std::vector<cv::Point2f>>;
@@ -79,20 +79,35 @@ Fit solve_pinhole(const Points3& points, const Points2& pixels, const cv::Size& 
   return fit;
 }
 
+bool is_one_to_one(const Fit& fit, const cv::Size& size, CalibratedModel model) {
+  const std::vector<double> d(fit.coefficients.begin<double>(), fit.coefficients.end<double>());
+  return ok(camera_of(size, model, fit.K, d).validate());
+}
+
 /// Coefficients that hold where corners were seen may fold the picture behind them: then with fewer
 /// of them, where these do not.
-Fit fit_pinhole(const Points3& points, const Points2& pixels, const cv::Size& size, int flags) {
-  const Fit full = solve_pinhole(points, pixels, size, flags);
-  if ((flags & cv::CALIB_RATIONAL_MODEL) != 0) return full;
-  const auto is_one_to_one = [&size](const Fit& fit) {
-    const std::vector<double> d(fit.coefficients.begin<double>(), fit.coefficients.end<double>());
-    return ok(camera_of(size, CalibratedModel::kRadialTangential, fit.K, d).validate());
-  };
-  if (is_one_to_one(full)) return full;
+Fit fit_radial_tangential(const Points3& points, const Points2& pixels, const cv::Size& size) {
+  const Fit full = solve_pinhole(points, pixels, size, 0);
+  if (is_one_to_one(full, size, CalibratedModel::kRadialTangential)) return full;
   for (const int fixed :
        {static_cast<int>(cv::CALIB_FIX_K3), cv::CALIB_FIX_K3 | cv::CALIB_FIX_K2}) {
-    Fit fewer = solve_pinhole(points, pixels, size, flags | fixed);
-    if (is_one_to_one(fewer)) return fewer;
+    Fit fewer = solve_pinhole(points, pixels, size, fixed);
+    if (is_one_to_one(fewer, size, CalibratedModel::kRadialTangential)) return fewer;
+  }
+  return full;
+}
+
+/// With as few coefficients as the pictures need: numerator and denominator of a rational lens can
+/// cancel each other, and where the pictures do not tell them apart they are as large as you like.
+Fit fit_rational(const Points3& points, const Points2& pixels, const cv::Size& size) {
+  const Fit full = solve_pinhole(points, pixels, size, cv::CALIB_RATIONAL_MODEL);
+  constexpr int kNoDenominator = cv::CALIB_FIX_K4 | cv::CALIB_FIX_K5 | cv::CALIB_FIX_K6;
+  for (const int fixed :
+       {kNoDenominator | cv::CALIB_FIX_K3, kNoDenominator, cv::CALIB_FIX_K5 | cv::CALIB_FIX_K6,
+        static_cast<int>(cv::CALIB_FIX_K6)}) {
+    Fit fewer = solve_pinhole(points, pixels, size, cv::CALIB_RATIONAL_MODEL | fixed);
+    const bool same = fewer.rms_px <= kSameRms * full.rms_px;
+    if (same && is_one_to_one(fewer, size, CalibratedModel::kRational)) return fewer;
   }
   return full;
 }
@@ -150,8 +165,8 @@ Fit fit_model(const std::string& media, const std::vector<const BoardView*>& vie
   }
   try {
     if (model == CalibratedModel::kFisheye) return fit_fisheye(points, pixels, size);
-    return fit_pinhole(points, pixels, size,
-                       model == CalibratedModel::kRational ? cv::CALIB_RATIONAL_MODEL : 0);
+    return model == CalibratedModel::kRational ? fit_rational(points, pixels, size)
+                                               : fit_radial_tangential(points, pixels, size);
   } catch (const cv::Exception& error) {
     throw InputError(media, fmt::format("expected boards that determine the camera, in different "
                                         "places and tilts; the fit failed: {}",

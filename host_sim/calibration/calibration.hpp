@@ -17,7 +17,9 @@ enum class CalibratedModel {
   /// k1 k2 p1 p2 k3; k3 stays 0 where the pictures do not determine it, k3, or k2 and k3, where the
   /// lens would fold back inside the picture.
   kRadialTangential,
-  kRational,  ///< k1 k2 p1 p2 k3 k4 k5 k6
+  /// k1 k2 p1 p2 k3 k4 k5 k6; of k3 to k6 the last ones stay 0 where they lower the rms by less
+  /// than 2 %.
+  kRational,
   /// Kannala-Brandt, k1 k2 k3 k4; k4, or k3 and k4, stay 0 where they lower the rms by less than 2
   /// %.
   kFisheye,

@@ -181,6 +181,20 @@ TEST(Calibration, FindsACameraByChessboards) {
   EXPECT_TRUE(doubts_about(found, coverage).empty());
 }
 
+/// WHEN the pictures do not tell numerator and denominator of a rational lens apart, THEN the
+/// denominator is left out: the two would cancel each other with any coefficients.
+TEST(Calibration, ARationalLensHasNoCoefficientsThatThePicturesDoNotTell) {
+  const PinholeCamera<double> camera = radtan();
+  const Calibration found =
+      calibrate("test", chessboards_of_radtan(), kSize, CalibratedModel::kRational);
+  ASSERT_EQ(found.coefficients.size(), 8U);
+  EXPECT_NEAR(found.coefficients[0], camera.k1, 0.01);
+  EXPECT_NEAR(found.coefficients[1], camera.k2, 0.05);
+  for (int i = 5; i < 8; ++i) EXPECT_EQ(found.coefficients[static_cast<std::size_t>(i)], 0.0);
+  EXPECT_LT(found.rms_px, 0.15);
+  EXPECT_NEAR(found.fx, camera.fx, 0.005 * camera.fx);
+}
+
 TEST(Calibration, FindsACameraByBoardsSeenInPart) {
   const PinholeCamera<double> camera = radtan();
   const BoardDetector board(charuco());
