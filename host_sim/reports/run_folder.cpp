@@ -55,7 +55,8 @@ void remove_earlier_run(const std::filesystem::path& folder) {
 }
 
 void write_json(const std::filesystem::path& path, const json& value) {
-  write_text(path, value.dump(2) + '\n');
+  // Names of files need not be UTF-8; JSON must.
+  write_text(path, value.dump(2, ' ', false, json::error_handler_t::replace) + '\n');
 }
 
 void write_manifest(const std::filesystem::path& folder, const Manifest& manifest) {

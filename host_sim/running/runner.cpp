@@ -101,6 +101,7 @@ class FrameLoop {
       process(frame);
     } while (interrupted() == 0 && !record_.ended_by_viewer && source_.next(frame));
     record_.interrupted_by = interrupted();
+    if (record_.interrupted_by != 0 || record_.ended_by_viewer) keep_last_picture(frame);
     record_.landmarks = tracker_.landmarks();
     record_.library_size = tracker_.library_size();
     record_.lap_frames = source_.info().lap_frames;
@@ -216,19 +217,14 @@ class FrameLoop {
 
   void draw(const Frame& frame, const FrameRecord& entry) {
     const std::size_t done = record_.frames.size();
+    last_is_kept_ = false;
     const bool keep = settings_.pictures > 0 && done % static_cast<std::size_t>(picture_step_) ==
                                                     static_cast<std::size_t>(picture_step_ / 2);
     if (!settings_.video && !keep && !view_) return;
-    const std::string caption =
-        fmt::format("frame {}  {}  {:.2f} ms  {} inliers  {} landmarks", frame.number,
-                    to_string(entry.report.state), entry.total_ms, entry.report.inliers,
-                    entry.report.landmarks);
-    const cv::Mat drawn = settings_.shaded ? shade(frame, entry) : cv::Mat();
-    const cv::Mat plain =
-        drawn.empty() ? OverlayVideo::compose(frame.grey, overlay_, frame.colour) : drawn;
+    const cv::Mat plain = with_objects(frame, entry);
     if (view_) show(plain, frame, entry);
     if (!settings_.video && !keep) return;
-    const cv::Mat picture = OverlayVideo::captioned(plain, caption);
+    const cv::Mat picture = captioned(plain, frame, entry);
     if (settings_.video) {
       if (video_ == nullptr) {
         video_ = std::make_unique<OverlayVideo>(settings_.out, source_.info().frame_rate_hz,
@@ -236,14 +232,34 @@ class FrameLoop {
       }
       video_->write(picture);
     }
-    if (keep) {
-      const std::filesystem::path path =
-          settings_.out / fmt::format("overlay-{:06d}.jpg", frame.number);
-      std::vector<std::uint8_t> bytes;
-      cv::imencode(".jpg", picture, bytes);
-      write_text(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-      record_.pictures.push_back(path);
-    }
+    if (keep) keep_picture(picture, frame);
+  }
+
+  cv::Mat with_objects(const Frame& frame, const FrameRecord& entry) {
+    const cv::Mat drawn = settings_.shaded ? shade(frame, entry) : cv::Mat();
+    return drawn.empty() ? OverlayVideo::compose(frame.grey, overlay_, frame.colour) : drawn;
+  }
+  static cv::Mat captioned(const cv::Mat& picture, const Frame& frame, const FrameRecord& entry) {
+    return OverlayVideo::captioned(
+        picture, fmt::format("frame {}  {}  {:.2f} ms  {} inliers  {} landmarks", frame.number,
+                             to_string(entry.report.state), entry.total_ms, entry.report.inliers,
+                             entry.report.landmarks));
+  }
+
+  void keep_picture(const cv::Mat& picture, const Frame& frame) {
+    const std::filesystem::path path =
+        settings_.out / fmt::format("overlay-{:06d}.jpg", frame.number);
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", picture, bytes);
+    write_text(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    record_.pictures.push_back(path);
+    last_is_kept_ = true;
+  }
+  /// A run that ends early may not have come to a picture at all: its last frame, `frame`, is one.
+  void keep_last_picture(const Frame& frame) {
+    if (settings_.pictures <= 0 || last_is_kept_) return;
+    const FrameRecord& entry = record_.frames.back();
+    keep_picture(captioned(with_objects(frame, entry), frame, entry), frame);
   }
 
   void show(const cv::Mat& picture, const Frame& frame, const FrameRecord& entry) {
@@ -264,6 +280,7 @@ class FrameLoop {
   std::unique_ptr<OverlayVideo> video_;
   std::optional<LiveView> view_;
   int picture_step_ = 1;
+  bool last_is_kept_ = false;
   std::optional<ShadedObject> shaded_;
   std::vector<OccludingPolygon> surfaces_;
 };

@@ -41,6 +41,9 @@ check "the summary is marked" grep -q '"interrupted_by": 15' "$work/term/summary
 check "it says so" grep -q "interrupted after" "$work/term.txt"
 check "whole tables after SIGTERM" whole_tables term
 check "no parts after SIGTERM" no_parts term
+picture=$(find "$work/term" -name 'overlay-*.jpg' -size +1k -printf '%f\n' | head -1)
+check "a picture of the last frame after SIGTERM" [ -n "$picture" ]
+check "the report shows it" grep -q "$picture" "$work/term/summary.json"
 (cd "$work" && "$sim" replay term.log >/dev/null 2>&1 </dev/null) || fail "the log of an interrupted run replays"
 
 # a terminal that closes, and one whose closing is ignored
@@ -114,8 +117,8 @@ check "an earlier part is gone" [ ! -e "$work/again/frames.csv.part" ]
 check "an earlier video is gone" [ ! -e "$work/again/overlay.mp4" ]
 check "the user's files stay" [ -e "$work/again/overlay-mine.jpg" -a -e "$work/again/notes.txt" ]
 
-# a name with characters that shells and HTML know
-odd="o'\$(touch X);\"<b>&"
+# a name with characters that shells and HTML know, and one that is no UTF-8
+odd="o'\$(touch X);\"<b>&"$'\xfc'
 expect 0 "log hash" run hall-small --max-frames 12 --no-video --out "$odd"
 check "no command was run" [ ! -e "$work/X" ]
 if [ -e "$work/$odd/report.html" ]; then
