@@ -330,6 +330,8 @@ TEST(CameraFile, ReadsTheMountingAndChecksIt) {
                    {"'T_vehicle_camera'", "rotation"}));
   EXPECT_TRUE(says(problem_of(folder, with("[0,-1,0,0,0,0,-1,0,1,0,0,0,0.35,0,1,1]")),
                    {"'T_vehicle_camera'", "last row"}));
+  EXPECT_TRUE(says(problem_of(folder, with("[[0,0,1,350],[-1,0,0,0],[0,-1,0,0],[0,0,0,1]]")),
+                   {"'T_vehicle_camera'", "in m", "350 m"}));
 }
 
 TEST(CameraFile, ReadsTheSuspensionAndChecksIt) {

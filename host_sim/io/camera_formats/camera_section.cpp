@@ -15,6 +15,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kMostDistance_m = 50.0;  // of a camera on its vehicle; further ones are in mm
+
 bool all_zero(const json& value) {
   if (value.is_string()) {
     std::string text = value.get<std::string>();
@@ -141,6 +143,11 @@ std::optional<Rigid<double>> CameraSection::find_pose(const std::string& key) co
     fail(key, "expected 0 0 0 1 in the last row");
   }
   pose.translation = {m[3], m[7], m[11]};
+  const double distance_m = pose.translation.norm();
+  if (!(distance_m <= kMostDistance_m)) {
+    fail(key, fmt::format("expected a place in m, at most {:.0f} m away, found one {:.6g} m away",
+                          kMostDistance_m, distance_m));
+  }
   return pose;
 }
 

@@ -38,7 +38,7 @@ class CameraSection {
   /// rows x cols numbers, row by row: as one list, a list of rows, or {rows, cols, data}.
   std::vector<double> matrix(const std::string& key, int rows, int cols,
                              const std::string& what) const;
-  /// A 4x4 pose, row by row; empty where the key is not there.
+  /// A 4x4 pose, row by row, of at most 50 m; empty where the key is not there.
   std::optional<Rigid<double>> find_pose(const std::string& key) const;
   /// An image side.
   int extent(const std::string& key, const std::string& what) const;
