@@ -80,6 +80,10 @@ OdometryFile read_odometry(const std::filesystem::path& path) {
   const QuantityColumn turn = find_quantity(csv, twist ? kYawRate : kSteering);
   const QuantityColumn length = twist ? QuantityColumn{} : find_quantity(csv, kWheelbase);
   OdometryFile odometry;
+  if (twist && has_quantity(csv, kSteering)) {
+    odometry.warning =
+        fmt::format("{}: has a yaw rate and a steering angle; the yaw rate is used", path.string());
+  }
   OdometryModel& model = odometry.model;
   model.kind = twist ? OdometrySample::Kind::kTwist : OdometrySample::Kind::kAckermann;
   model.speed_sigma_mps = kSpeedSigma_mps;

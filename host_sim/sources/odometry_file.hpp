@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "host_sim/sources/frame_source.hpp"
@@ -11,6 +12,7 @@ namespace cairn::host {
 struct OdometryFile {
   OdometryModel model;
   std::vector<OdometrySample> samples;  ///< two or more, times strictly increasing
+  std::string warning;                  ///< what of the file is not used; empty: nothing
 };
 
 /// Reads odometry (CSV): a time, a speed, and a yaw rate or, where there is none, a steering angle

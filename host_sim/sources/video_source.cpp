@@ -157,6 +157,7 @@ class VideoSource final : public FrameSource {
 
   void take_odometry() {
     odometry_ = read_odometry(options_.odometry);
+    if (!odometry_.warning.empty()) info_.warnings.push_back(odometry_.warning);
     check_recording(options_.odometry, "the odometry", times_of(odometry_.samples),
                     kMostOdometryStep_us);
     info_.odometry = with_noise(odometry_.model);

@@ -30,6 +30,19 @@ TEST(OdometryFile, SamplesOutsideTheDomainAreRefusedByLine) {
   EXPECT_TRUE(says(problem("t_s,speed_mps,steering_rad\n0,1,0\n"), {"o.csv:1", "wheelbase_m"}));
 }
 
+TEST(OdometryFile, AYawRateBesideASteeringAngleIsUsedAndThatIsSaid) {
+  const TemporaryFolder folder;
+  const OdometryFile both = read_odometry(
+      folder.write("o.csv",
+                   "t_s,speed_mps,steering_rad,wheelbase_m,yaw_rate_radps\n0,1,0.1,2,0.3\n"
+                   "0.1,1,0.1,2,0.3\n"));
+  EXPECT_TRUE(says(both.warning, {"o.csv", "yaw rate", "steering"}));
+  EXPECT_FLOAT_EQ(both.samples[0].turn, 0.3F);
+  EXPECT_EQ(both.samples[0].kind, OdometrySample::Kind::kTwist);
+  EXPECT_TRUE(read_odometry(folder.write("o.csv", "t_s,speed_mps,yaw_rate_radps\n0,1,0\n0.1,1,0\n"))
+                  .warning.empty());
+}
+
 TEST(OdometryFile, UnitsOfTheHeaderAreConverted) {
   const TemporaryFolder folder;
   const OdometryFile odometry = read_odometry(

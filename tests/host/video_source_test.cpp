@@ -213,6 +213,16 @@ TEST(VideoSource, WarnsWhereOdometryCoversAPartAlone) {
   EXPECT_TRUE(says(source->info().warnings[0], {"odometry.csv", "51 %", "0.000 s to 0.800 s"}));
 }
 
+TEST(VideoSource, WarnsWhereTheTruthMovesTooFast) {
+  const TemporaryFolder folder;
+  VideoOptions options = pictures(folder, 3);
+  options.truth =
+      folder.write("truth.tum", "0 1 0 0 0 0 0 1\n0.033 1000 0 0 0 0 0 1\n0.067 1 0 0 0 0 0 1\n");
+  const auto source = make_video_source(options);
+  ASSERT_EQ(source->info().warnings.size(), 1U);
+  EXPECT_TRUE(says(source->info().warnings[0], {"truth.tum", "999 m within 0.033 s", "not in m"}));
+}
+
 TEST(VideoSource, TruthBesideTheFramesIsSaid) {
   const TemporaryFolder folder;
   VideoOptions options = pictures(folder, 3);
