@@ -1,4 +1,5 @@
-// The planar filters and the seeds' odometry without floating point, for the symbols of their archive.
+// The planar filters and the seeds' odometry without floating point, for the symbols of their
+// archive.
 #include "cairn/planar/fixed/fixed_vehicle_slam.hpp"
 #include "cairn/tracking/fixed_seed_odometry.hpp"
 

@@ -99,8 +99,8 @@ TEST(WindowTracker, IsLostInTheDarkAndBeginsAnewWithoutALibrary) {
   EXPECT_GT(run.tracker->pose_covariance()(4, 4), before) << "the turn in the dark is not known";
 }
 
-/// Its first frame is exact in it, whatever was known in the old one; the attitude is relative to the
-/// first camera, and the turn in the dark is not known.
+/// Its first frame is exact in it, whatever was known in the old one; the attitude is relative to
+/// the first camera, and the turn in the dark is not known.
 TEST(WindowTracker, ANewMapsPoseHasACovarianceOfItsOwn) {
   Tracker::Parameters parameters;
   parameters.memory.min_library = 1000;

@@ -213,8 +213,7 @@ class PlanarSlam {
 
   /// Adds independent noise to the pose: variances in m^2 (per axis) and rad^2, the most at most.
   Status widen_pose(Scalar position_variance, Scalar heading_variance);
-  /// Lateral slip: the same across the vehicle's heading alone, m^2.
-  Status slip_laterally(Scalar variance);
+  Status slip_laterally(Scalar variance);  ///< the same across the vehicle's heading alone, m^2
 
   /// A pose as odometry left it: what place() changes.
   struct Placement {
@@ -264,9 +263,8 @@ class PlanarSlam {
   /// Expected landmark, the partner of pose(), m; and its covariance, m^2.
   LandmarkVector landmark_position(int slot) const { return model_.landmark_position(slot); }
   LandmarkMatrix landmark_covariance(int slot) const { return model_.landmark_covariance(slot); }
-  /// Covariance of a landmark's place as seen from the vehicle, m^2, without what the vehicle's own
-  /// pose is wrong by; in the world's axes (LiftedIekfSlam: the vehicle's). A difference, so that
-  /// rounding can leave a variance below 0.
+  /// Covariance of a landmark as seen from the vehicle, m^2, without the vehicle's own error, in the
+  /// world's axes (LiftedIekfSlam: the vehicle's). Rounding may leave a variance below 0.
   LandmarkMatrix relative_landmark_covariance(int slot) const;
   /// Element of the covariance of the error model's own error, deferred noise included: EkfSlam (x,
   /// y, heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks), both with pitch and roll

@@ -13,6 +13,7 @@
 #include "cairn/tracking/systematic_error.hpp"
 #include "cairn/tracking/vehicle_doubt.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
+#include "cairn/tracking/vehicle_numbers.hpp"
 
 namespace cairn {
 
@@ -171,9 +172,9 @@ class FrameTracker {
   const TrackedLandmarks<kMaxLandmarks>& landmarks() const { return estimate_.landmarks(); }
   /// Of the tracker and of its filter.
   Health health() const { return with_filter(health_, filter().health()); }
-  /// Results that did not fit their format, of a tracker in fixed point.
+  /// Results that did not fit their format, of a tracker in fixed point; 0 of others.
   std::uint32_t saturations() const {
-    return filter().saturations() + local_map_.seeds().saturations();
+    return VehicleNumbers<Filter>::saturations(filter(), local_map_.seeds());
   }
   TrackingState state() const;
   /// How far the mount and the focal length seem to be from what initialise() was told.

@@ -23,6 +23,10 @@ struct VehicleNumbers {
   static Rigid<float> T_world_camera(const Estimate& estimate) {
     return estimate.T_world_camera();
   }
+  template <class Seeds>
+  static std::uint32_t saturations(const Filter&, const Seeds&) {
+    return 0;
+  }
 };
 
 template <int MaxLandmarks>
@@ -35,6 +39,11 @@ struct VehicleNumbers<FixedVehicleSlam<MaxLandmarks>> {
   template <class Estimate>
   static FixedRigid T_world_camera(const Estimate& estimate) {
     return estimate.filter().T_world_camera(estimate.T_vehicle_camera());
+  }
+  template <class Seeds>
+  static std::uint32_t saturations(const FixedVehicleSlam<MaxLandmarks>& filter,
+                                   const Seeds& seeds) {
+    return filter.saturations() + seeds.saturations();
   }
 };
 
