@@ -263,8 +263,8 @@ class PlanarSlam {
   /// Expected landmark, the partner of pose(), m; and its covariance, m^2.
   LandmarkVector landmark_position(int slot) const { return model_.landmark_position(slot); }
   LandmarkMatrix landmark_covariance(int slot) const { return model_.landmark_covariance(slot); }
-  /// Covariance of a landmark as seen from the vehicle, m^2, without the vehicle's own error, in the
-  /// world's axes (LiftedIekfSlam: the vehicle's). Rounding may leave a variance below 0.
+  /// Covariance of a landmark as seen from the vehicle, m^2, without the vehicle's own error, in
+  /// the world's axes (LiftedIekfSlam: the vehicle's). Rounding may leave a variance below 0.
   LandmarkMatrix relative_landmark_covariance(int slot) const;
   /// Element of the covariance of the error model's own error, deferred noise included: EkfSlam (x,
   /// y, heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks), both with pitch and roll
