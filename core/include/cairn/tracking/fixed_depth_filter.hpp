@@ -233,7 +233,7 @@ std::int64_t FixedDepthFilter<Keyframes, Seeds>::left_of(const Residual& residua
   std::int64_t left = residual.pixel[row].raw();
   const auto take = [&](std::int32_t h, int fraction, Rho by) {
     const int shift = fraction + Rho::kFractionBits - FixedTangent::kFractionBits;
-    left -= wide::multiply(h, by.raw(), shift, saturations_);
+    left = wide::add(left, -wide::multiply(h, by.raw(), shift, saturations_), saturations_);
   };
   for (int axis = 0; axis < 2; ++axis) {
     constexpr int kTangent = FixedTangent::kFractionBits;
@@ -257,7 +257,7 @@ bool FixedDepthFilter<Keyframes, Seeds>::update(const Residual& residual,
   const Rows rows = rows_of(residual, sigma);
   const Innovation s = innovation(rows);
   const InverseRoot first(s.xx < kLeast ? kLeast : s.xx);
-  const std::int64_t slope = first.times(s.xy, 0, saturations_);
+  const std::int64_t slope = wide::narrow(first.times(s.xy, 0, saturations_), saturations_);
   // The second row alone has at least its own noise.
   const std::int64_t noise = std::int64_t{rows.noise[1]} * rows.noise[1] / 4;
   const std::int64_t least = noise < kLeast ? kLeast : noise;
