@@ -67,6 +67,7 @@ class Run {
       parameters.tilt.sigma_pitch = FixedAngle::nearest(0.01);
       parameters.tilt.sigma_roll = FixedAngle::nearest(0.02);
     }
+    parameters.replace_after = input.below(3);
     PROMISE(1, ok(filter_.initialise({}, {}, parameters)));
   }
 
@@ -111,7 +112,7 @@ class Run {
       case 8:
         return add(input);
       case 9:
-        return filter_.slide(number<FixedVariance>(input, 0.0, 0.1));
+        return filter_.slip_laterally(number<FixedVariance>(input, 0.0, 0.1));
       case 10:
         return filter_.drift_world(number<FixedVariance>(input, 0.0, 1e-2),
                                    number<FixedVariance>(input, 0.0, 1e-3));

@@ -39,6 +39,7 @@ class PlanarRun {
   explicit PlanarRun(Input& input) {
     PlanarParameters<float> parameters;
     if (Filter::kTilts && input.flag()) parameters.tilt = TiltParameters<float>::rover();
+    parameters.replace_after = input.below(3);
     PROMISE(1,
             ok(filter_.initialise(PlanarPose<float>(), 1e-6F * Matrix3f::Identity(), parameters)));
     for (int i = input.below(kLandmarks); i > 0; --i) {
@@ -89,7 +90,7 @@ class PlanarRun {
       case 10:
         return filter_.widen_pose(input.number(0.0F, 1.0F), input.number(0.0F, 0.1F));
       case 11:
-        return filter_.slide(input.number(0.0F, 0.1F));
+        return filter_.slip_laterally(input.number(0.0F, 0.1F));
       case 12:
         return filter_.drift_world(input.number(0.0F, 1e-2F), input.number(0.0F, 1e-3F));
       case 13:

@@ -318,7 +318,12 @@ class PlanarSlam {
   /// Not inlined: GCC would split it, and its call graph would lose the part that it splits off.
   __attribute__((noinline)) Status check_landmark(const LandmarkVector& p,
                                                   const LandmarkMatrix& covariance);
-  Status make_room(LandmarkId id, LandmarkId* replaced);
+  /// What a landmark refers to stays: where one of these would make room, the map is full.
+  struct Needed {
+    LandmarkId first = kNoLandmark;
+    LandmarkId second = kNoLandmark;
+  };
+  Status make_room(LandmarkId id, LandmarkId* replaced, Needed needed = Needed());
   Status make_room_in_world(LandmarkId id, const LandmarkVector& p_world,
                             const LandmarkMatrix& covariance, LandmarkId reference,
                             LandmarkId* replaced);

@@ -31,7 +31,7 @@ Status PlanarSlam<ErrorModel>::check_landmark(const LandmarkVector& p,
 /// A slot for one more landmark, by replacement where the map is full; slots may move. Ends a rest:
 /// a new landmark is something to learn.
 template <class ErrorModel>
-Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced) {
+Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced, Needed needed) {
   if (!initialised_) return Status::kNotInitialised;
   if (id == kNoLandmark) return Status::kInvalidArgument;
   if (find(id) >= 0) return Status::kDuplicate;
@@ -44,11 +44,12 @@ Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced) {
       parameters_.replace_after > 0
           ? slots_.replaceable(updates_, static_cast<std::uint32_t>(parameters_.replace_after))
           : -1;
-  if (slot < 0) {
+  const LandmarkId leaving = slot < 0 ? kNoLandmark : slots_.id(slot);
+  if (slot < 0 || leaving == needed.first || leaving == needed.second) {
     ++health_.landmarks_refused;
     return Status::kFull;
   }
-  if (replaced != nullptr) *replaced = slots_.id(slot);
+  if (replaced != nullptr) *replaced = leaving;
   end_rest();
   model_.remove_landmark(slot);
   slots_.remove_unordered(slot);
@@ -108,9 +109,8 @@ Status PlanarSlam<ErrorModel>::add_landmark_on_path(LandmarkId id, const Landmar
     if (abs(by_path(i / 2, i % 2)) > detail::kFarthestLandmark<T>) return Status::kInvalidArgument;
   }
   if (find(past) < 0) return Status::kNotFound;
-  const Status status = make_room(id, replaced);
+  const Status status = make_room(id, replaced, {past});
   if (!ok(status)) return status;
-  if (find(past) < 0) return Status::kNotFound;  // it made room
   update_.absorb_deferred_noise(model_);
   model_.append_landmark_on_path(y_vehicle, R, find(past), by_path);
   enter(id);
@@ -139,7 +139,7 @@ Status PlanarSlam<ErrorModel>::make_room_in_world(LandmarkId id, const LandmarkV
   const Status valid = check_landmark(p_world, covariance);
   if (!ok(valid)) return valid;
   if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;
-  const Status status = make_room(id, replaced);
+  const Status status = make_room(id, replaced, {reference});
   if (ok(status)) update_.absorb_deferred_noise(model_);
   return status;
 }
@@ -228,7 +228,7 @@ Status PlanarSlam<ErrorModel>::add_framed_landmark(LandmarkId id, const Landmark
     if (!detail::place_in_frame(model_, p_world, find(origin), find(ahead), lambda)) {
       return Status::kInvalidArgument;
     }
-    const Status status = make_room(id, replaced);
+    const Status status = make_room(id, replaced, {origin, ahead});
     if (!ok(status)) return status;
     update_.absorb_deferred_noise(model_);
     detail::append_of_frame(model_, p_world, covariance, find(origin), find(ahead), lambda);

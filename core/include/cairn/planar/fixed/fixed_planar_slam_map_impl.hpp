@@ -9,7 +9,8 @@ namespace cairn {
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::make_room(LandmarkId id,
-                                                                    LandmarkId* replaced) {
+                                                                    LandmarkId* replaced,
+                                                                    Needed needed) {
   if (id == kNoLandmark) return Status::kInvalidArgument;
   if (find(id) >= 0) return Status::kDuplicate;
   if (replaced != nullptr) *replaced = kNoLandmark;
@@ -19,11 +20,12 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::make_room(LandmarkId i
                        ? slots.replaceable(records_.updates(),
                                            static_cast<std::uint32_t>(parameters_.replace_after))
                        : -1;
-  if (slot < 0) {
+  const LandmarkId leaving = slot < 0 ? kNoLandmark : slots.id(slot);
+  if (slot < 0 || leaving == needed.first || leaving == needed.second) {
     ++health_.landmarks_refused;
     return Status::kFull;
   }
-  if (replaced != nullptr) *replaced = slots.id(slot);
+  if (replaced != nullptr) *replaced = leaving;
   remove_states(slot);
   ++health_.landmarks_replaced;
   return Status::kOk;
@@ -109,9 +111,9 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_seen(
     return Status::kInvalidArgument;
   }
   if (by_path != nullptr && find(past) < 0) return Status::kNotFound;
-  const Status status = make_room(id, replaced);
+  const Status status =
+      make_room(id, replaced, {by_path != nullptr ? past : LandmarkId{kNoLandmark}});
   if (!ok(status)) return status;
-  if (by_path != nullptr && find(past) < 0) return Status::kNotFound;  // it made room
   prepare_to_append(true);
   const detail::FixedRotation rotation = state_.rotation();
   (void)detail::cholesky(detail::turned(noise, rotation, none), own, saturations_);
@@ -157,9 +159,8 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_frame_position(
   std::uint32_t none = 0;
   if (LandmarkDim != 3 || !detail::cholesky(covariance, own, none)) return Status::kInvalidArgument;
   if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;
-  const Status status = make_room(id, nullptr);
+  const Status status = make_room(id, nullptr, {reference});
   if (!ok(status)) return status;
-  if (reference != kNoLandmark && find(reference) < 0) return Status::kNotFound;  // it made room
   prepare_to_append(false);
   state_.place_in_world(p_world, saturations_);
   detail::FixedStateRow rows[3];
@@ -185,14 +186,15 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::add_framed_landmark(
   if (find(origin) < 0 || find(ahead) < 0) return Status::kNotFound;
   using Frame = detail::FixedMapFrame<State>;
   FixedLength lambda[2];
+  std::uint32_t lost = 0;
   if (!Frame(state_, find(origin), find(ahead))
-           .place(state_.from_anchor(p_world[0], 0, saturations_),
-                  state_.from_anchor(p_world[1], 1, saturations_), lambda, saturations_)) {
+           .place(state_.from_anchor(p_world[0], 0, lost), state_.from_anchor(p_world[1], 1, lost),
+                  lambda, lost)) {
     return Status::kInvalidArgument;
   }
-  const Status status = make_room(id, replaced);
+  const Status status = make_room(id, replaced, {origin, ahead});
   if (!ok(status)) return status;
-  if (find(origin) < 0 || find(ahead) < 0) return Status::kNotFound;  // it made room
+  saturations_ += lost;
   prepare_to_append(false);
   state_.place_in_world(p_world, saturations_);
   detail::FixedStateRow rows[3];
