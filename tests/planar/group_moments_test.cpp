@@ -67,6 +67,14 @@ TEST(GroupMoments, HaveNoNegativeVarianceWherePartsCancel) {
   }
 }
 
+TEST(GroupMoments, OfAHeadingThatIsKnownButForADenormal) {
+  const float m[2] = {0.0114931976F, -0.0359539166F};
+  const float c[2] = {-7.6651026e-43F, -2.45227231e-43F};
+  const float xi[3] = {1.97131822e-9F, -6.71524214e-9F, 2.28752928e-8F};
+  const auto got = turned_point_moments(2.23535131e-41F, m, c, xi);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(got.cov[i], xi[i], 1e-6F * xi[2]) << i;
+}
+
 /// Found by the fuzzer: a start that is known, then some noise of odometry.
 TEST(GroupMoments, OfAHeadingThatIsKnownToATenthOfAMilliradian) {
   const float m[2] = {-0.0723760873F, -0.100168243F};

@@ -31,6 +31,12 @@ T sinh_minus_itself(T x) {
   return x * x2 / T(6) * sum;
 }
 
+/// 1 / variance; 0 of one so small that an angle has none.
+template <class T>
+T per_variance(T variance) {
+  return variance > T(1e-30) ? T(1) / variance : T(0);
+}
+
 /// A covariance that two variances allow.
 template <class T>
 T bounded_covariance(T covariance, T variance_a, T variance_b) {
@@ -43,7 +49,7 @@ T bounded_covariance(T covariance, T variance_a, T variance_b) {
 /// Positive semi-definite whatever is rounded.
 template <class T>
 void part_beside_angle(T variance, const T* c, const T* xi, T* part) {
-  const T per = variance > T(0) ? T(1) / variance : T(0);
+  const T per = per_variance(variance);
   part[0] = xi[0] - c[0] * c[0] * per;
   part[1] = xi[1] - c[0] * c[1] * per;
   part[2] = xi[2] - c[1] * c[1] * per;
@@ -67,7 +73,7 @@ TurnedPointMoments<T> turned_point_moments(T heading_variance, const T* m, const
   const T along = T(0.5) * bend * bend;
   const T across = s2 < T(40) ? rho * rho * sinh_minus_itself(s2) : T(0.5);
   const T jm[2] = {-m[1], m[0]};
-  const T per = s2 > T(0) ? T(1) / s2 : T(0);
+  const T per = per_variance(s2);
   const T g[2] = {rho * jm[0] + c[0] * per, rho * jm[1] + c[1] * per};
   T beside[3];
   part_beside_angle(s2, c, xi, beside);
