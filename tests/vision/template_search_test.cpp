@@ -1,6 +1,7 @@
 #include "cairn/vision/template_search.hpp"
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -69,6 +70,10 @@ TEST(FindTemplate, StaysInsideTheImage) {
   EXPECT_EQ(find_template(view(picture), reference, 2, 2, 8, 22938, match), Status::kOk);
   EXPECT_NEAR(match.x_q8, 6 * 256, 40);
   EXPECT_EQ(find_template(view(picture), reference, -900, 40, 8, 0, match), Status::kNotFound);
+  constexpr int kLeast = std::numeric_limits<int>::min();
+  constexpr int kMost = std::numeric_limits<int>::max();
+  EXPECT_EQ(find_template(view(picture), reference, kLeast, 40, 8, 0, match), Status::kNotFound);
+  EXPECT_EQ(find_template(view(picture), reference, 40, kMost, 8, 0, match), Status::kNotFound);
 }
 
 /// A picture of any size with a pattern of its own.

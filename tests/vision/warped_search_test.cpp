@@ -94,6 +94,8 @@ TEST_F(FindWarpedTemplate, FindsItFromFarByEverySecondPlace) {
 
 TEST_F(FindWarpedTemplate, RefusesWhatIsOutsideTheImageAndWildWarps) {
   EXPECT_EQ(seek(warp_of(kTurn, kScale), -30.0, -30.0, 5), Status::kNotFound);
+  EXPECT_EQ(seek(warp_of(kTurn, kScale), 8388607.0, -8388607.0, 5), Status::kNotFound);
+  EXPECT_EQ(seek(warp_of(kTurn, kScale), 8388607.0, -8388607.0, 16), Status::kNotFound);
   EXPECT_EQ(seek(warp_of(0.0, 5.0), kX, kY, 5), Status::kNotFound);
   EXPECT_EQ(seek(warp_of(0.0, 5.0), kX, kY, 16), Status::kNotFound);
   EXPECT_EQ(match_.correlation, 0) << "untouched";

@@ -249,6 +249,9 @@ bool take_template(const ImageView& image, int x, int y, SmallTemplate& out) {
 Status find_template(const ImageView& image, const SmallTemplate& reference, int x, int y,
                      int radius, int least_q15, TemplateMatch& match) {
   constexpr std::uint32_t kLeastSpread = 4U * kPixels * kPixels;  // 2 grey values rms
+  const bool far_off =
+      x < -radius || y < -radius || x > image.width + radius || y > image.height + radius;
+  if (far_off) return Status::kNotFound;
   const Reference t(reference);
   const Rect places = intersect({x - radius, y - radius, x + radius + 1, y + radius + 1},
                                 {kHalf, kHalf, image.width - kHalf, image.height - kHalf});

@@ -95,6 +95,13 @@ bool best_place(const std::uint8_t* pixels, int side, const Thinned& reference, 
   return best > 0.0F;
 }
 
+/// Whether a search about this place can reach the image at all.
+bool is_near(const ImageView& image, int x_q8, int y_q8) {
+  constexpr int kReach = 4 * (kMaxSearchRadius + SmallTemplate::kSide) * kOneQ8;
+  return x_q8 >= -kReach && y_q8 >= -kReach && x_q8 <= image.width * kOneQ8 + kReach &&
+         y_q8 <= image.height * kOneQ8 + kReach;
+}
+
 bool is_moderate(const PatchWarp& warp) {
   constexpr std::int32_t kMost = 4 << 16;
   const auto good = [](std::int32_t v) { return v >= -kMost && v <= kMost; };
@@ -107,6 +114,7 @@ Status find_warped_template(const ImageView& image, const SmallTemplate& referen
                             const PatchWarp& warp, int x_q8, int y_q8, int radius, int least_q15,
                             TemplateMatch& match) {
   if (!is_moderate(warp) || image.width < 2 || image.height < 2) return Status::kNotFound;
+  if (!is_near(image, x_q8, y_q8)) return Status::kNotFound;
   std::uint8_t pixels[kMaxSide * kMaxSide];
   const int side = 2 * radius + SmallTemplate::kSide;
   const int half = side / 2;
@@ -133,6 +141,7 @@ Status find_warped_template_widely(const ImageView& image, const SmallTemplate& 
   constexpr int kMaxThinned = kMaxSearchRadius + Thinned::kSide;
   constexpr int kFineRadius = 2;
   if (!is_moderate(warp) || image.width < 2 || image.height < 2) return Status::kNotFound;
+  if (!is_near(image, x_q8, y_q8)) return Status::kNotFound;
   radius += radius & 1;
   const int wide = radius + Thinned::kSide;
   if (wide <= Thinned::kSide || wide > kMaxThinned) return Status::kNotFound;
