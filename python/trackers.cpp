@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,7 +8,6 @@
 namespace cairn_python {
 namespace {
 
-constexpr std::int64_t kUntouched = std::numeric_limits<std::int64_t>::min();
 const char* const kStates[] = {"initialising", "tracking", "uncertain", "lost"};
 
 py::array_t<float> array_of(const float* values, py::ssize_t rows, py::ssize_t columns) {
@@ -129,9 +127,10 @@ class Tracker {
     const Picture picture(image);
     const cairn_image own = picture.image();
     cairn_report report = {};
-    report.t_us = kUntouched;
+    const std::int64_t untouched = t_us == 0 ? 1 : 0;
+    report.t_us = untouched;
     const cairn_status status = Calls::kProcess(tracker_, &own, t_us, &report);
-    if (report.t_us == kUntouched) need(status, "process_frame");
+    if (report.t_us == untouched) need(status, "process_frame");
     report.status = status;
     return dict_of(report);
   }

@@ -264,6 +264,16 @@ static void a_hand_held_camera_starts_and_resets(void) {
   CHECK(cairn_handheld_process_frame(h, &kImage, 0, &report) != CAIRN_DUPLICATE);
 }
 
+static void the_earliest_time_is_a_time(void) {
+  cairn_window* w = NULL;
+  CHECK(cairn_window_initialise(window_memory.bytes, sizeof window_memory, &kCamera, NULL, &w) ==
+        CAIRN_OK);
+  cairn_report report = {0};
+  CHECK(cairn_window_process_frame(w, &kImage, INT64_MIN, &report) != CAIRN_INVALID_ARGUMENT);
+  CHECK(report.t_us == INT64_MIN);
+  CHECK(report.T_map_camera.qw != 0.0F);
+}
+
 static void a_window_starts_and_resets(void) {
   cairn_window* w = NULL;
   CHECK(cairn_window_initialise(window_memory.bytes, 8, &kCamera, NULL, &w) ==
@@ -327,6 +337,7 @@ int main(void) {
   a_map_needs_its_room_and_its_bytes();
   objects_stand_where_they_are_put();
   a_hand_held_camera_starts_and_resets();
+  the_earliest_time_is_a_time();
   a_window_starts_and_resets();
   cairn_port_write(failures == 0 ? "passed\n" : "FAILED\n");
   return failures == 0 ? 0 : 1;

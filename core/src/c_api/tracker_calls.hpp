@@ -21,12 +21,12 @@ namespace cairn::c_api {
 template <class Object>
 cairn_status process_frame(Object& object, const cairn_image& image, std::int64_t t_us,
                            cairn_report* report) {
-  constexpr std::int64_t kUntouched = std::numeric_limits<std::int64_t>::min();
+  const std::int64_t untouched = t_us == 0 ? 1 : 0;
   FrameReport own;
-  own.t_us = kUntouched;
+  own.t_us = untouched;
   const Status status = object.tracker.process_frame(from_c(image), t_us, object.ticks, own);
   // A frame that is refused leaves the report as it was.
-  if (own.t_us == kUntouched) return to_c(status);
+  if (own.t_us == untouched) return to_c(status);
   own.status = status;
   object.report = own;
   object.accepted = true;
