@@ -294,7 +294,7 @@ TEST_P(FixedVehicle, ADriftOfTheWorldEqualsDouble) {
   pair.expect_equal();
 }
 
-TEST_P(FixedVehicle, ASlideAcrossTheHeadingEqualsDouble) {
+TEST_P(FixedVehicle, LateralSlipEqualsDouble) {
   Pair pair(GetParam());
   map_on_the_way(pair);
   for (int k = 0; k < 5; ++k) {

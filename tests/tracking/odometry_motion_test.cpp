@@ -26,7 +26,7 @@ TEST(OdometryNoiseParameters, AreCheckedWhole) {
   }
 }
 
-TEST(OdometryNoiseParameters, MayHaveNoSlide) {
+TEST(OdometryNoiseParameters, MayHaveNoLateralSlip) {
   OdometryNoise noise;
   noise.turn_centre_m = 0.0F;
   EXPECT_TRUE(ok(noise.validate()));

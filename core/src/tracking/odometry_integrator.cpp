@@ -44,14 +44,9 @@ Status OdometryIntegrator::check(const OdometrySample& sample, Health& health) c
     ++health.time_errors;
     return Status::kTimeBackwards;
   }
-  const bool ackermann = sample.kind == OdometrySample::Kind::kAckermann;
-  const bool possible = static_cast<unsigned>(sample.kind) < OdometrySample::kKindCount &&
-                        abs(sample.speed_mps) <= kMaxSpeed_mps &&
-                        (!ackermann || abs(sample.turn) <= kMaxSteering_rad) &&
-                        abs(sample.turn) <= 1e3F;
   const float longest_s = motion_.max_step_s();
   const float dt_s = motion_.seconds_since_sample(sample.t_us);
-  if (!possible ||
+  if (!OdometryMotion::is_possible(sample) ||
       !(abs(motion_.over(sample, dt_s < longest_s ? dt_s : longest_s).yaw_rad) <= kPi<float>)) {
     ++health.odometry_refused;
     return Status::kInvalidArgument;

@@ -34,6 +34,19 @@ void OdometryMotion::reset(const OdometryNoise& noise, std::int64_t max_step_us,
   held_.t_us = t_us;
 }
 
+bool OdometryMotion::is_possible(const OdometrySample& reading) {
+  constexpr float kMostTurn = 1e3F;
+  const bool ackermann = reading.kind == OdometrySample::Kind::kAckermann;
+  return static_cast<unsigned>(reading.kind) < OdometrySample::kKindCount &&
+         abs(reading.speed_mps) <= kMaxSpeed_mps &&
+         abs(reading.turn) <= (ackermann ? kMaxSteering_rad : kMostTurn);
+}
+
+bool OdometryMotion::at_rest() const {
+  const bool ackermann = held_.kind == OdometrySample::Kind::kAckermann;
+  return held_.speed_mps == 0.0F && (ackermann || held_.turn == 0.0F);
+}
+
 float OdometryMotion::seconds_since_sample(std::int64_t t_us) const {
   const std::int64_t since_us = difference_us(t_us, held_.t_us);
   return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;

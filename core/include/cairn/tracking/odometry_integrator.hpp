@@ -26,15 +26,13 @@ namespace cairn {
 /// counts from the last image.
 class OdometryIntegrator {
  public:
-  static constexpr float kMaxSpeed_mps = 300.0F;
   static constexpr float kSilent = 0.2F;  ///< of the longest step
-  static constexpr float kMaxSteering_rad = 1.4F;
 
   /// Starts anew, at rest at time `t_us`. Motion is held for at most `max_step_us`.
   void reset(const OdometryNoise& noise, std::int64_t max_step_us, std::int64_t t_us);
 
   /// Integrates up to the sample's time. Refused, nothing changed: kNonFiniteInput;
-  /// kInvalidArgument (beyond kMaxSpeed_mps or kMaxSteering_rad, or half a turn since the sample
+  /// kInvalidArgument (not OdometryMotion::is_possible(), or half a turn since the sample
   /// before); kTimeBackwards (older than the sample before). Counted, with the motion before
   /// it held less certainly: kGated, the speed changed faster than a vehicle can, or is not what
   /// the images show. kTimeGap: more

@@ -33,6 +33,9 @@ struct OdometryNoise {
 /// makes of a time, with noise. It is held from the newest sample on, or is what the images show.
 class OdometryMotion {
  public:
+  static constexpr float kMaxSpeed_mps = 300.0F;
+  static constexpr float kMaxSteering_rad = 1.4F;
+
   /// Distance and yaw increment of a time, without noise.
   struct Step {
     float distance_m = 0.0F;
@@ -56,10 +59,9 @@ class OdometryMotion {
   /// Whether there was a sample since the start.
   bool has_sample() const { return has_sample_; }
   /// Whether the newest sample is exactly no motion.
-  bool at_rest() const {
-    return held_.speed_mps == 0.0F &&
-           (held_.kind == OdometrySample::Kind::kAckermann || held_.turn == 0.0F);
-  }
+  bool at_rest() const;
+  /// Whether a reading of its kind can be that large.
+  static bool is_possible(const OdometrySample& reading);
   float seconds_since_sample(std::int64_t t_us) const;
   /// Since the sample, or the image, that tells the motion held.
   float seconds_since_known(std::int64_t t_us) const;
