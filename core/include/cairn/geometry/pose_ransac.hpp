@@ -22,6 +22,13 @@ struct PoseRansacOptions {
   /// ambiguous.
   T ambiguity_share = T(0.8);
   PoseRefinementOptions<T> refinement;  ///< its min_inliers, prior and use_only are not used
+
+  /// Whether every value is finite and in its domain, but for those of `refinement`.
+  bool valid() const {
+    return max_hypotheses >= 1 && confidence > T(0) && confidence < T(1) &&
+           is_positive(static_cast<float>(inlier_px)) && min_inliers >= 3 &&
+           ambiguity_share >= T(0);
+  }
 };
 
 template <class T>

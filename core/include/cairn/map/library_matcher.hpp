@@ -15,6 +15,11 @@ struct LibraryMatcherOptions {
   /// A landmark's best feature must be nearer than this share of its second best one, in 1/256; the
   /// same between the best two landmarks of one feature.
   int max_ratio_256 = 218;
+
+  bool valid() const {
+    return max_prefix_distance >= 0 && max_distance >= 0 && max_ratio_256 >= 0 &&
+           max_ratio_256 <= 256;
+  }
 };
 
 /// A feature of the frame and the landmark it looks like.

@@ -36,16 +36,10 @@ class PlaceRecogniser {
     PoseRansacOptions<float> ransac;
     /// kBadConfig unless every value is finite and in its domain.
     Status validate() const {
-      const auto good_matcher = [](const LibraryMatcherOptions& o) {
-        return o.max_prefix_distance >= 0 && o.max_distance >= 0 && o.max_ratio_256 >= 0 &&
-               o.max_ratio_256 <= 256;
-      };
       const bool good =
           max_pairs_per_step >= 1 && max_pairs_per_step <= (1 << 24) && samples_per_step >= 1 &&
           samples_per_step <= PoseRansacOptions<float>::kMaxHypotheses && is_positive(sigma_px) &&
-          good_matcher(matcher) && ransac.max_hypotheses >= 1 && ransac.confidence > 0.0F &&
-          ransac.confidence < 1.0F && is_positive(ransac.inlier_px) && ransac.min_inliers >= 4 &&
-          ransac.ambiguity_share >= 0.0F;
+          matcher.valid() && ransac.valid() && ransac.min_inliers >= 4;
       return good ? Status::kOk : Status::kBadConfig;
     }
   };

@@ -65,12 +65,8 @@ class Relocaliser {
           max_corner_percent <= 100 && max_capture_work >= 1 && max_pairs_per_step >= 1 &&
           max_pairs_per_step <= (1 << 24) && samples_per_step >= 1 &&
           samples_per_step <= PoseRansacOptions<Scalar>::kMaxHypotheses &&
-          is_positive(static_cast<float>(sigma_px)) && matcher.max_prefix_distance >= 0 &&
-          matcher.max_distance >= 0 && matcher.max_ratio_256 >= 0 && matcher.max_ratio_256 <= 256 &&
-          is_positive(near.gate) && is_positive(near.inlier_px) && near.min_inliers >= 1 &&
-          ransac.max_hypotheses >= 1 && ransac.confidence > Scalar(0) &&
-          ransac.confidence < Scalar(1) && is_positive(static_cast<float>(ransac.inlier_px)) &&
-          ransac.min_inliers >= 3 && ransac.ambiguity_share >= Scalar(0);
+          is_positive(static_cast<float>(sigma_px)) && matcher.valid() && is_positive(near.gate) &&
+          is_positive(near.inlier_px) && near.min_inliers >= 1 && ransac.valid();
       return good ? Status::kOk : Status::kBadConfig;
     }
   };
