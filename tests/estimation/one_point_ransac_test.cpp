@@ -4,8 +4,32 @@
 
 #include <gtest/gtest.h>
 
+#include "cairn/estimation/candidates_first.hpp"
+
 namespace cairn {
 namespace {
+
+TEST(CandidatesFirst, MoveInliersToTheFrontInTheirOrder) {
+  int items[] = {10, 11, 12, 13, 14};
+  const bool flags[] = {false, true, false, true, true};
+  ASSERT_EQ(detail::flagged_first(items, flags, 5), 3);
+  EXPECT_EQ(items[0], 11);
+  EXPECT_EQ(items[1], 13);
+  EXPECT_EQ(items[2], 14);
+}
+
+TEST(CandidatesFirst, AskEachItemOnceAndMoveTheBadToTheEnd) {
+  int items[] = {1, 2, 3, 4, 6};
+  int asked = 0;
+  const auto odd = [&](int item) {
+    ++asked;
+    return item % 2 == 1;
+  };
+  ASSERT_EQ(detail::good_first(items, 5, odd), 2);
+  EXPECT_EQ(asked, 5);
+  EXPECT_EQ(items[0] + items[1], 4);
+  EXPECT_EQ(items[2] + items[3] + items[4], 12);
+}
 
 TEST(HypothesesNeeded, FollowsTheFormulaAndItsLimits) {
   for (const float share : {0.2F, 0.5F, 0.75F, 0.9F, 0.99F}) {
