@@ -170,7 +170,7 @@ auto FixedDepthFilter<Keyframes, Seeds>::rows_of(const Residual& residual,
                                     residual.by_keyframe[r][0].raw(),
                                     residual.by_keyframe[r][1].raw(), residual.by_depth[r].raw()};
     const auto fraction = [](int k) {
-      return k < kTerms - 1 ? kTangent : FixedLength::kFractionBits;
+      return k < kTerms - 1 ? FixedTangent::kFractionBits : FixedLength::kFractionBits;
     };
     const std::int32_t noise = sigma[r].raw() > 0 ? sigma[r].raw() : 1;
     const std::int32_t unmodelled = residual.unmodelled[r].raw();
