@@ -90,16 +90,16 @@ class FixedPlanarError {
   /// Variance of a landmark's depth, m^2 with 44 fraction bits; `scratch`: kStates elements.
   std::int64_t depth_variance(const State& state, int slot, const FixedTangent (&depth)[3],
                               std::int32_t* scratch, std::uint32_t& saturations) const;
-  /// By which an error of the heading turns what a sighting measures, in the world's error: from
-  /// where the vehicle was when the factor took its motion in last.
-  FixedLength lever(const State& state, int slot, int axis) const {
-    return state.relative(slot, axis, moved_[axis]);
-  }
   void hash_moved(Hash64& hash) const {
     for (const FixedCoordinate moved : moved_) hash.add(moved.raw());
   }
 
  private:
+  /// By which an error of the heading turns what a sighting measures, in the world's error: from
+  /// where the vehicle was when the factor took its motion in last.
+  FixedLength lever(const State& state, int slot, int axis) const {
+    return state.relative(slot, axis, moved_[axis]);
+  }
   void clear(const FixedCovariance2* tilt, std::uint32_t& saturations);
   void turn_with_heading(std::uint32_t& saturations);
   void shear(int first, const FixedLength (&by)[2], std::uint32_t& saturations);
