@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "host_sim/io/pose_file.hpp"
@@ -14,7 +15,11 @@ namespace cairn::host {
 /// The pose of a recording nearest to `t_us`; none further than 20 ms. `poses` are in time order.
 std::optional<Rigid<double>> pose_near(const std::vector<TimedPose>& poses, std::int64_t t_us);
 
-/// check_overlap() of true poses that were read from `path`; its warning goes into `info`.
+/// A warning where true poses that were read from `path` move faster than 300 m/s.
+std::optional<std::string> check_steps(const std::filesystem::path& path,
+                                       const std::vector<TimedPose>& truth);
+
+/// check_overlap() and check_steps() of true poses; their warnings go into `info`.
 void check_truth(const std::filesystem::path& path, const std::vector<TimedPose>& truth,
                  const TimeSpan& frames, SourceInfo& info);
 

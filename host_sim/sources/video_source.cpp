@@ -14,6 +14,7 @@
 #include "host_sim/sources/odometry_file.hpp"
 #include "host_sim/sources/scene_tracks.hpp"
 #include "host_sim/sources/time_span.hpp"
+#include "host_sim/sources/true_poses.hpp"
 
 namespace cairn::host {
 namespace {
@@ -142,6 +143,8 @@ class VideoSource final : public FrameSource {
   void read_truth() {
     truth_ = read_tum(options_.truth);
     check_recording(options_.truth, "the truth", times_of(truth_), kMostTruthStep_us);
+    const auto fast = check_steps(options_.truth, truth_);
+    if (fast.has_value()) info_.warnings.push_back(*fast);
     info_.inputs.push_back(options_.truth);
   }
 
