@@ -322,6 +322,22 @@ TEST(FixedVehicle, RefusesALensThatHasNoFixedForm) {
   EXPECT_EQ(Slam::check_camera(camera), Status::kBadConfig);
 }
 
+/// How far it is off does not even fit the format; that is counted where it is used alone.
+TEST(FixedVehicle, AHeightOutsideTheGateLeavesEverythingAsItWas) {
+  Slam filter;
+  ASSERT_TRUE(ok(filter.initialise({}, Matrix3<float>::Zero())));
+  ASSERT_TRUE(ok(filter.add_landmark(1, {3.0F, 0.0F, 2.0F}, 0.01F * Matrix3<float>::Identity())));
+  const auto hash = [&] {
+    Hash64 sum;
+    filter.hash(sum);
+    return sum.value();
+  };
+  const std::uint64_t before = hash();
+  EXPECT_EQ(filter.update_height(1, -2047.0F, 0.01F, 11.0F), Status::kGated);
+  EXPECT_EQ(hash(), before);
+  EXPECT_EQ(filter.saturations(), 0U);
+}
+
 TEST(FixedVehicle, RefusesWhatIsNotFinite) {
   Pair pair(false);
   map_on_the_way(pair);

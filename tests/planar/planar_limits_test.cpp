@@ -120,6 +120,9 @@ TYPED_TEST(PlanarLimits, VariancesThatNoFilterReckonsWithAreRefused) {
   ASSERT_TRUE(ok(this->filter().remove_landmark(4)));
   EXPECT_EQ(this->hash(), before);
   EXPECT_EQ(this->filter().initialise({}, wide), Status::kInvalidArgument);
+  PlanarPose<T> far;
+  far.position.y() = T(2e36);
+  EXPECT_EQ(this->filter().initialise(far, Matrix3<T>::Identity()), Status::kInvalidArgument);
   EXPECT_EQ(this->hash(), before);
 }
 

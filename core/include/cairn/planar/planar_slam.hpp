@@ -70,7 +70,8 @@ class PlanarSlam {
 
   /// Starts an empty map at `pose` with `covariance` over (x, y, heading) in m^2, m rad, rad^2.
   /// Errors: kNonFiniteInput, kInvalidArgument (not symmetric or positive semi-definite, heading
-  /// beyond 1e4 rad, variances beyond kMostPositionVariance, kMostHeadingVariance), kBadConfig.
+  /// beyond 1e4 rad, position beyond kMostPosition, variances beyond kMostPositionVariance,
+  /// kMostHeadingVariance), kBadConfig.
   Status initialise(const PlanarPose<Scalar>& pose, const Matrix3<Scalar>& covariance,
                     const PlanarParameters<Scalar>& parameters = PlanarParameters<Scalar>{});
 

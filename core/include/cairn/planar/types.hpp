@@ -15,6 +15,10 @@ template <class T>
 inline constexpr T kMostPositionVariance = T(1e10);
 template <class T>
 inline constexpr T kMostHeadingVariance = T(1e4);
+/// How far from the world's origin, m, a filter may start, in each axis: squares of it are sums'
+/// parts. A float has no metre left there.
+template <class T>
+inline constexpr T kMostPosition = T(1e8);
 
 namespace detail {
 template <class T>

@@ -37,6 +37,9 @@ Status PlanarSlam<ErrorModel>::check_start(const PlanarPose<T>& pose, const Matr
     if (covariance(i, i) > most) return Status::kInvalidArgument;
   }
   if (abs(pose.heading) > T(1e4)) return Status::kInvalidArgument;
+  for (int i = 0; i < 2; ++i) {
+    if (abs(pose.position(i)) > kMostPosition<T>) return Status::kInvalidArgument;
+  }
   const PlanarParameters<T>& p = parameters;
   const bool sane =
       p.gate > T(0) && p.ransac_threshold > T(0) && p.rescue_gate > T(0) &&

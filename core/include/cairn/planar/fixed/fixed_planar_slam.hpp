@@ -233,7 +233,8 @@ class FixedPlanarSlam {
              const detail::FixedCholesky3& noise, int spare, bool pinned = false);
   Status add_seen(LandmarkId id, const FixedLength (&y)[3], const FixedCovariance3& noise,
                   LandmarkId past, const FixedLength (*by_path)[2], LandmarkId* replaced);
-  std::int64_t height_score(const detail::FixedPixelSighting& seen, FixedLength sigma);
+  std::int64_t height_score(const detail::FixedPixelSighting& seen, FixedLength sigma,
+                            std::uint32_t& lost);
 
   FixedPlanarParameters parameters_;
   Health health_;

@@ -151,11 +151,13 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update_height(Landmark
     seen.slot = slot;
     seen.rows = 1;
     seen.h[0][2] = FixedTangent::nearest(1.0);
+    std::uint32_t lost = 0;
     const FixedLength missed =
-        subtract(height, convert<FixedLength>(landmark_height(slot), saturations_), saturations_);
+        subtract(height, convert<FixedLength>(landmark_height(slot), lost), lost);
     seen.innovation[0] = missed.raw() * (std::int64_t{1} << kFiner);
     seen.sigma[0] = sigma.raw() * (std::int64_t{1} << kFiner);
-    if (height_score(seen, sigma) > gate.raw()) return Status::kGated;
+    if (height_score(seen, sigma, lost) > gate.raw()) return Status::kGated;
+    saturations_ += lost;
     FixedUpdateReport report;
     apply(pixels_, 1, report);
     return Status::kOk;
@@ -165,14 +167,12 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::update_height(Landmark
 /// Squared Mahalanobis distance, with the fraction of a FixedScore.
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
 std::int64_t FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::height_score(
-    const detail::FixedPixelSighting& seen, FixedLength sigma) {
+    const detail::FixedPixelSighting& seen, FixedLength sigma, std::uint32_t& lost) {
   constexpr int kScoreBits = 20;
-  const auto noise =
-      multiply<FixedVariance>(convert<Fixed<std::int64_t, 24>>(sigma, saturations_),
-                              Fixed<std::int64_t, 20>::from_raw(sigma.raw()), saturations_);
-  const FixedRoot root =
-      square_root(add(landmark_height_variance(seen.slot), noise, saturations_).raw(),
-                  FixedVariance::kFractionBits);
+  const auto noise = multiply<FixedVariance>(convert<Fixed<std::int64_t, 24>>(sigma, lost),
+                                             Fixed<std::int64_t, 20>::from_raw(sigma.raw()), lost);
+  const FixedRoot root = square_root(add(landmark_height_variance(seen.slot), noise, lost).raw(),
+                                     FixedVariance::kFractionBits);
   std::uint32_t none = 0;  // a distance too large for its format is large
   const std::int64_t y =
       wide::narrow(wide::divide(seen.innovation[0], root.mantissa,
