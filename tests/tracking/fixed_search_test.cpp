@@ -15,9 +15,14 @@ namespace {
 class FixedSearch : public ::testing::Test {
  protected:
   double uniform() { return random_.below(20001) / 10000.0 - 1.0; }
-  Rigid<double> pose(double angle, double way) {
-    const Vector3<double> turn(angle * uniform(), angle * uniform(), angle * uniform());
-    return {rotation_exp(turn), {way * uniform(), way * uniform(), way * uniform()}};
+  Vector3<double> uniform_vector(double most) {
+    Vector3<double> v;
+    for (double& value : v) value = most * uniform();
+    return v;
+  }
+  Rigid<double> pose(double angle, double distance) {
+    const Vector3<double> turn = uniform_vector(angle);
+    return {rotation_exp(turn), uniform_vector(distance)};
   }
   static Rigid<float> to_float(const Rigid<double>& T) {
     return {T.rotation.cast<float>(), T.translation.cast<float>()};
@@ -82,7 +87,7 @@ TEST_F(FixedSearch, PosesMultiplyAsInDouble) {
 
 TEST_F(FixedSearch, SmallTurnsAreRotations) {
   for (int k = 0; k < 300; ++k) {
-    const Vector3<double> phi(0.17 * uniform(), 0.17 * uniform(), 0.17 * uniform());
+    const Vector3<double> phi = uniform_vector(0.17);
     std::int64_t raw[3];
     for (int i = 0; i < 3; ++i) raw[i] = FixedCoordinate::nearest(phi(i)).raw();
     const FixedRigid turn = small_turn(raw[0], raw[1], raw[2]);
@@ -101,7 +106,8 @@ TEST_F(FixedSearch, WarpsAreThoseOfDouble) {
     const Rigid<float> reference = to_float(pose(0.3, 0.5));
     const Rigid<float> present = to_float(pose(0.3, 0.5));
     FixedLength p[3];
-    Vector3<double> p_camera(uniform(), 0.7 * uniform(), 3.0 + 2.0 * uniform());
+    Vector3<double> p_camera = uniform_vector(1.0).cwiseProduct(Vector3<double>(1.0, 0.7, 2.0));
+    p_camera(2) += 3.0;
     for (int i = 0; i < 3; ++i) {
       p[i] = FixedLength::nearest(p_camera(i));
       p_camera(i) = p[i].to_double();
