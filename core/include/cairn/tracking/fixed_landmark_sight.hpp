@@ -1,7 +1,7 @@
 #pragma once
 
-#include "cairn/geometry/fixed_rigid.hpp"
 #include "cairn/planar/fixed/float_messages.hpp"
+#include "cairn/tracking/fixed_camera_pose.hpp"
 #include "cairn/tracking/fixed_patch_window.hpp"
 #include "cairn/tracking/fixed_warp.hpp"
 #include "cairn/tracking/landmark_search.hpp"
@@ -12,30 +12,6 @@ template <int MaxLandmarks>
 class FixedVehicleSlam;
 template <class Filter>
 class VehicleEstimate;
-
-/// Where the camera is in one picture, and its lens.
-class FixedCameraPose {
- public:
-  FixedCameraPose(const PinholeCamera<float>& camera, const FixedRigid& T_world_camera)
-      : T_world_camera_(T_world_camera),
-        R_camera_world_(detail::rotation_of(T_world_camera).transposed()) {
-    usable_ = ok(fixed_of(camera, camera_));
-  }
-  const FixedCamera& camera() const { return camera_; }
-
-  /// The pixel of a point of the world; false nearer than `nearest` or out of the picture.
-  bool see(const FixedCoordinate (&p_world)[3], FixedLength nearest, FixedPixel (&pixel)[2]) const;
-
-  /// As predict_warp(), of a point in the camera frame.
-  bool predict(const Rigid<float>& T_world_reference, const FixedLength (&p_camera)[3],
-               PatchWarp& warp) const;
-
- private:
-  FixedCamera camera_;
-  FixedRigid T_world_camera_;
-  detail::FixedRotation R_camera_world_;
-  bool usable_ = false;
-};
 
 struct FixedPlannedSearch {
   FixedPixelPrediction prediction;
