@@ -14,7 +14,6 @@ using vision::store_pair;
 using vision::subtract_pairs;
 #endif
 
-constexpr int kSide = vision::kPatchSide;
 constexpr int kPaddedPitch = vision::kPaddedPitch;
 constexpr std::int32_t kMaxRatio = 0x7FFF;
 
