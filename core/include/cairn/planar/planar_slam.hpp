@@ -70,8 +70,7 @@ class PlanarSlam {
 
   /// Starts an empty map at `pose` with `covariance` over (x, y, heading) in m^2, m rad, rad^2.
   /// Errors: kNonFiniteInput, kInvalidArgument (not symmetric or positive semi-definite, heading
-  /// beyond 1e4 rad, position beyond kMostPosition, variances beyond kMostPositionVariance,
-  /// kMostHeadingVariance), kBadConfig.
+  /// beyond 1e4 rad, others beyond kMostPosition and most variances), kBadConfig.
   Status initialise(const PlanarPose<Scalar>& pose, const Matrix3<Scalar>& covariance,
                     const PlanarParameters<Scalar>& parameters = PlanarParameters<Scalar>{});
 
@@ -319,12 +318,7 @@ class PlanarSlam {
   /// Not inlined: GCC would split it, and its call graph would lose the part that it splits off.
   __attribute__((noinline)) Status check_landmark(const LandmarkVector& p,
                                                   const LandmarkMatrix& covariance);
-  /// What a landmark refers to stays: where one of these would make room, the map is full.
-  struct Needed {
-    LandmarkId first = kNoLandmark;
-    LandmarkId second = kNoLandmark;
-  };
-  Status make_room(LandmarkId id, LandmarkId* replaced, Needed needed = Needed());
+  Status make_room(LandmarkId id, LandmarkId* replaced, detail::NeededLandmarks needed = {});
   Status make_room_in_world(LandmarkId id, const LandmarkVector& p_world,
                             const LandmarkMatrix& covariance, LandmarkId reference,
                             LandmarkId* replaced);

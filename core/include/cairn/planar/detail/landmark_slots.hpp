@@ -4,6 +4,14 @@
 
 namespace cairn::detail {
 
+/// What a new landmark refers to: where one of these would make room for it, the map is full.
+struct NeededLandmarks {
+  LandmarkId first = kNoLandmark;
+  LandmarkId second = kNoLandmark;
+
+  bool has(LandmarkId id) const { return id == first || id == second; }
+};
+
 /// Identities and statistics of the landmarks in a filter's state, by slot. Slots are dense: a
 /// removal moves the last landmark into the gap.
 template <int Capacity>

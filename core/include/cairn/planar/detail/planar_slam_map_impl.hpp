@@ -31,7 +31,8 @@ Status PlanarSlam<ErrorModel>::check_landmark(const LandmarkVector& p,
 /// A slot for one more landmark, by replacement where the map is full; slots may move. Ends a rest:
 /// a new landmark is something to learn.
 template <class ErrorModel>
-Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced, Needed needed) {
+Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced,
+                                         detail::NeededLandmarks needed) {
   if (!initialised_) return Status::kNotInitialised;
   if (id == kNoLandmark) return Status::kInvalidArgument;
   if (find(id) >= 0) return Status::kDuplicate;
@@ -45,7 +46,7 @@ Status PlanarSlam<ErrorModel>::make_room(LandmarkId id, LandmarkId* replaced, Ne
           ? slots_.replaceable(updates_, static_cast<std::uint32_t>(parameters_.replace_after))
           : -1;
   const LandmarkId leaving = slot < 0 ? kNoLandmark : slots_.id(slot);
-  if (slot < 0 || leaving == needed.first || leaving == needed.second) {
+  if (slot < 0 || needed.has(leaving)) {
     ++health_.landmarks_refused;
     return Status::kFull;
   }

@@ -221,12 +221,7 @@ class FixedPlanarSlam {
   void end_rest();
   void propagate(const FixedIncrement& increment);
   void absorb_motion() { errors_.absorb_motion(state_, saturations_); }
-  /// As PlanarSlam's.
-  struct Needed {
-    LandmarkId first = kNoLandmark;
-    LandmarkId second = kNoLandmark;
-  };
-  Status make_room(LandmarkId id, LandmarkId* replaced, Needed needed = Needed());
+  Status make_room(LandmarkId id, LandmarkId* replaced, detail::NeededLandmarks needed = {});
   void remove_states(int slot);
   void prepare_to_append(bool shares);
   void enter(LandmarkId id, const detail::FixedStateRow (&rows)[3],

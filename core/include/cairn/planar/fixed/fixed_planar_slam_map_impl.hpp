@@ -8,9 +8,8 @@
 namespace cairn {
 
 template <int MaxLandmarks, int LandmarkDim, FixedError Error>
-Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::make_room(LandmarkId id,
-                                                                    LandmarkId* replaced,
-                                                                    Needed needed) {
+Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::make_room(
+    LandmarkId id, LandmarkId* replaced, detail::NeededLandmarks needed) {
   if (id == kNoLandmark) return Status::kInvalidArgument;
   if (find(id) >= 0) return Status::kDuplicate;
   if (replaced != nullptr) *replaced = kNoLandmark;
@@ -21,7 +20,7 @@ Status FixedPlanarSlam<MaxLandmarks, LandmarkDim, Error>::make_room(LandmarkId i
                                            static_cast<std::uint32_t>(parameters_.replace_after))
                        : -1;
   const LandmarkId leaving = slot < 0 ? kNoLandmark : slots.id(slot);
-  if (slot < 0 || leaving == needed.first || leaving == needed.second) {
+  if (slot < 0 || needed.has(leaving)) {
     ++health_.landmarks_refused;
     return Status::kFull;
   }
