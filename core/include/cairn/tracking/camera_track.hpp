@@ -82,9 +82,9 @@ class CameraTrack {
     motion_.note(pose_, pose, gap_ ? 0.0F : age_s_);
     stand_at(pose);
   }
-  /// They do not: a gyroscope's prediction is taken for it.
+  /// They do not: what a gyroscope, or the whole picture, predicts is taken for it.
   void drift_to(const Rigid<float>& predicted) {
-    if (!gyro_.predicts()) return;
+    if (!gyro_.predicts() && !by_picture_) return;
     pose_ = predicted;
     age_s_ = 0.0F;
   }
@@ -134,9 +134,10 @@ class CameraTrack {
   float covariance_factor_ = 1.0F;
   float first_inverse_depth_ = 1.0F;
   float typical_inverse_depth_ = 0.0F;
-  float age_s_ = 0.0F;     ///< of pose_, at the frame's time
-  float unseen_s_ = 0.0F;  ///< since the landmarks last showed a pose
-  bool gap_ = false;       ///< since then nothing is known of the movement for a while
+  float age_s_ = 0.0F;       ///< of pose_, at the frame's time
+  float unseen_s_ = 0.0F;    ///< since the landmarks last showed a pose
+  bool gap_ = false;         ///< since then nothing is known of the movement for a while
+  bool by_picture_ = false;  ///< the frame's prediction is that of the whole picture's turn
 };
 
 inline void CameraTrack::reset(const Parameters& parameters, float inverse_depth,
@@ -154,12 +155,14 @@ inline void CameraTrack::reset(const Parameters& parameters, float inverse_depth
 
 inline Rigid<float> CameraTrack::predict(FrameContext& frame, const FrameStep& step) {
   const float dt_s = step.seconds();
+  by_picture_ = false;
   if (step.gap) motion_.forget();
   if (gyro_.sure()) return motion_.predict_turned(pose_, gyro_.turn().rotation, dt_s);
   const bool by_gyro = gyro_.predicts() && !step.gap && step.us > 0;
   const Vector3<float> rate =
       by_gyro ? Vector3<float>(gyro_.turn().rotation / dt_s) : motion_.rate_radps();
   if (!step.gap && rotation_.seek(frame, rate, motion_.speed(), expected_inverse_depth(), dt_s)) {
+    by_picture_ = true;
     return motion_.predict_turned(pose_, rotation_.rotation(), dt_s);
   }
   if (by_gyro) return motion_.predict_turned(pose_, gyro_.turn().rotation, dt_s);
