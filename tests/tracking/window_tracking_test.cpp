@@ -1,4 +1,8 @@
-// The parts of a WindowTracker that need no picture, each alone.
+// Parts of a WindowTracker, each alone.
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "cairn/tracking/camera_track.hpp"
@@ -87,6 +91,54 @@ TEST_F(CameraTracks, StayWhereTheyWereWithoutAGyroscope) {
   Quaternion<float> turned;
   float variance = 0.0F;
   EXPECT_FALSE(track_.note_keyframe(turned, variance));
+}
+
+/// Grey values of the direction of each pixel, seen by a camera that is turned about y.
+void paint_turned(const PinholeCamera<float>& camera, float turn_rad,
+                  std::vector<std::uint8_t>& pixels) {
+  const Matrix3<float> R = rotation_exp(Vector3<float>(0.0F, turn_rad, 0.0F)).toRotationMatrix();
+  pixels.clear();
+  for (int v = 0; v < camera.height; ++v) {
+    for (int u = 0; u < camera.width; ++u) {
+      const Vector2<float> pixel(static_cast<float>(u), static_cast<float>(v));
+      const Vector3<float> ray = (R * camera.unproject(pixel)).normalized();
+      const double x = ray.x(), y = ray.y();
+      const double grey = 120.0 + 40.0 * std::sin(9.0 * x + 2.0 * std::sin(7.0 * y)) +
+                          40.0 * std::sin(13.0 * y + 3.0 * std::sin(5.0 * x));
+      pixels.push_back(static_cast<std::uint8_t>(grey));
+    }
+  }
+}
+
+TEST(CameraTrack, TurnsWithTheWholePictureWhereNoLandmarkShowsThePose) {
+  constexpr float kTurn_rad = 0.1F;
+  constexpr int kFrames = 3;
+  const PinholeCamera<float> camera = test::to_float(test::small_camera());
+  CameraTrack track;
+  track.reset(CameraTrack::Parameters(), 1.0F, 8.0F);
+  FrameWork work;
+  work.reset(11600, 0);
+  Random random;
+  FrameReport report;
+  Health health;
+  FrameStep step;
+  step.us = kPeriodUs;
+  std::vector<std::uint8_t> pixels;
+  for (int k = 0; k <= kFrames; ++k) {
+    paint_turned(camera, static_cast<float>(k) * kTurn_rad, pixels);
+    const ImageView image{pixels.data(), camera.width, camera.height, camera.width};
+    work.begin(0);
+    FrameContext frame{image, camera, work, random, report, health};
+    track.take_frame(frame, k * kPeriodUs);
+    track.advance(step);
+    const Rigid<float> predicted = track.predict(frame, step);
+    track.note_weak();
+    track.drift_to(predicted);
+    track.forget_motion();
+  }
+  const Vector3<float> turned = rotation_log(track.pose().inverse().rotation);
+  EXPECT_NEAR(turned.y(), kFrames * kTurn_rad, 0.1F * kFrames * kTurn_rad);
+  EXPECT_NEAR(turned.x(), 0.0F, 0.02F);
 }
 
 ViewChange change(int found, int common, float flow, float parallax) {
