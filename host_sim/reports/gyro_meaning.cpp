@@ -13,12 +13,12 @@ namespace {
 std::string better_mounting(const Matrix3<float>& products) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(products.cast<double>(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d s = svd.singularValues();
+  const Eigen::Vector3d& s = svd.singularValues();
   if (!(s(1) > 0.1 * s(0)) || !(s(0) > 0.3)) return "";
   Eigen::Matrix3d flip = Eigen::Matrix3d::Identity();
   flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
   const Eigen::AngleAxisd turn(Eigen::Matrix3d(svd.matrixU() * flip * svd.matrixV().transpose()));
-  const Eigen::Vector3d axis = turn.axis();
+  const Eigen::Vector3d& axis = turn.axis();
   return fmt::format(
       "; the pictures' turns are its own turned by {:.0f} deg about ({:.2f}, {:.2f}, "
       "{:.2f}) of the camera",
