@@ -64,6 +64,32 @@ TEST_F(AVehicleWithOdometry, BridgesAGapThatAFrameCameThrough) {
   EXPECT_GT(std::sqrt(filter_.pose_covariance()(2, 2)), 1.0F) << "for all that is known";
 }
 
+/// The first reading after a gap is half of what is known of it: the next ones say which part of it
+/// was noise, as long as no image has corrected the pose.
+TEST_F(AVehicleWithOdometry, HearsMoreThanOneReadingOfWhatAGapWas) {
+  constexpr std::int64_t kShortUs = 33333;
+  constexpr float kNoise = 0.3F;
+  for (const std::int64_t gap_us : {800000, 3000000}) {
+    for (const bool seen : {false, true}) {
+      SetUp();
+      for (int k = 1; k <= 30; ++k) ASSERT_TRUE(ok(add(k * kShortUs, 1.0F, 0.1F)));
+      const float before = filter_.mean_pose().heading;
+      const std::int64_t end_us = 30 * kShortUs + gap_us;
+      if (gap_us > 1000000) static_cast<void>(integrate_to(end_us));
+      static_cast<void>(add(end_us, 1.0F, 0.1F + kNoise));
+      const float at_once = filter_.mean_pose().heading - before;
+      const float gap_s = 1e-6F * static_cast<float>(gap_us);
+      EXPECT_NEAR(at_once, (0.1F + 0.5F * kNoise) * gap_s, 0.02F);
+      if (seen) odometry_.note_image_update(0.0F, 0.0F, 0.033F, false);
+      for (int k = 1; k <= 14; ++k) ASSERT_TRUE(ok(add(end_us + k * kShortUs, 1.0F, 0.1F)));
+      const float noise_left = filter_.mean_pose().heading - before - 0.1F * (gap_s + 14 * 0.0333F);
+      const float noise = 0.5F * kNoise * gap_s;
+      if (seen) EXPECT_NEAR(noise_left, noise, 0.02F);
+      if (!seen) EXPECT_LT(std::abs(noise_left), 0.3F * noise);
+    }
+  }
+}
+
 TEST_F(AVehicleWithOdometry, BridgesNoGapThatAnImageCorrectedAndNoneOfAnHour) {
   for (int k = 1; k <= 30; ++k) ASSERT_TRUE(ok(add(k * kPeriodUs, 1.0F)));
   EXPECT_EQ(integrate_to(33 * 1000000), Status::kTimeGap);

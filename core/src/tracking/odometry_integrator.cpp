@@ -72,14 +72,15 @@ void OdometryIntegrator::note_interval(float step_s) {
 /// What a sample after a gap adds to the motion that was held in it, for the longest step: half of
 /// the gap is its own, the other half that of the samples before. Turns end within two steps. Of
 /// gaps that are much longer, as when the clock was set, the samples say nothing.
-OdometryMotion::Step OdometryIntegrator::bridging(const OdometrySample& sample) const {
+OdometryMotion::Step OdometryIntegrator::bridging(const OdometrySample& sample) {
   constexpr float kMostSteps = 10.0F;
   const float gap_s = motion_.seconds_since_sample(time_us_);
   const float longest_s = motion_.max_step_s();
   if (!motion_.has_sample() || !(gap_s > longest_s) || gap_s > kMostSteps * longest_s) return {};
   const OdometrySample first = motion_.steady();
   const float half_s = 0.5F * gap_s;
-  const float turning_s = half_s < 2.0F * longest_s ? half_s : 2.0F * longest_s;
+  begin_settling(half_s);
+  const float turning_s = longest_turn_s(half_s);
   const Step held = motion_.over(motion_.held(), longest_s);
   const float yaw_rad =
       motion_.over(first, turning_s).yaw_rad + motion_.over(sample, turning_s).yaw_rad;
@@ -88,8 +89,26 @@ OdometryMotion::Step OdometryIntegrator::bridging(const OdometrySample& sample) 
   return {distance_m - held.distance_m, yaw_rad - held.yaw_rad};
 }
 
+/// What a sample adds to what those before it, since a gap, said of the gap: its second half is as
+/// their low-passed readings say, since one reading's noise would be a turn.
+OdometryMotion::Step OdometryIntegrator::settling(const OdometrySample& sample) {
+  constexpr float kUnits = 500.0F;  // a second
+  const float passed = kUnits * motion_.seconds_since_sample(sample.t_us) + 0.5F;
+  if (passed >= static_cast<float>(settling_)) settling_ = 0;
+  if (settling_ == 0) return {};
+  const auto units = static_cast<std::uint8_t>(passed);
+  settling_ = static_cast<std::uint8_t>(settling_ - (units > 0 ? units : 1));
+  const OdometrySample before = motion_.steady();
+  const OdometrySample after = motion_.steady_with(sample);
+  const float bridged_s = 1e-3F * static_cast<float>(bridged_ms_);
+  const float turning_s = longest_turn_s(bridged_s);
+  return {motion_.over(after, bridged_s).distance_m - motion_.over(before, bridged_s).distance_m,
+          motion_.over(after, turning_s).yaw_rad - motion_.over(before, turning_s).yaw_rad};
+}
+
 void OdometryIntegrator::note_image_update(float ahead_m, float turn_rad, float step_s, bool sure) {
   corrected_us_ = time_us_;
+  settling_ = 0;
   if (!(step_s > 0.0F)) return;
   if (sure && motion_.has_sample()) follow_image(ahead_m, turn_rad, step_s);
   if (!motion_.by_images()) trust_.note_slip(abs(ahead_m) / step_s, step_s, motion_);

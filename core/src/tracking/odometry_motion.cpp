@@ -78,6 +78,15 @@ OdometrySample OdometryMotion::steady() const {
   return motion;
 }
 
+OdometrySample OdometryMotion::steady_with(const OdometrySample& sample) const {
+  ReadingLowPass<float> readings = steady_;
+  readings.add(sample.speed_mps, sample.turn, seconds_since_sample(sample.t_us));
+  OdometrySample motion = sample;
+  motion.speed_mps = readings.speed();
+  motion.turn = readings.turn();
+  return motion;
+}
+
 void OdometryMotion::hold_by_images() {
   held_.turn = over(held_, 1.0F).yaw_rad;
   held_.kind = OdometrySample::Kind::kTwist;

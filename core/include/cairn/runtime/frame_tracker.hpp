@@ -11,6 +11,7 @@
 #include "cairn/tracking/repeated_image.hpp"
 #include "cairn/tracking/stage_timer.hpp"
 #include "cairn/tracking/systematic_error.hpp"
+#include "cairn/tracking/unsure_pose.hpp"
 #include "cairn/tracking/vehicle_doubt.hpp"
 #include "cairn/tracking/vehicle_map_reuse.hpp"
 #include "cairn/tracking/vehicle_numbers.hpp"

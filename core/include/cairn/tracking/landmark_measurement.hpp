@@ -77,6 +77,16 @@ class LandmarkMeasurement {
     deferred_ = totals.deferred;
   }
 
+  /// Searches them once more, where the filter expects them now, in place of the search before.
+  template <class Filter>
+  void search_again(FrameContext& frame, const Filter& filter, Landmarks& landmarks, int units,
+                    SearchScratch& scratch) {
+    forget_searches(landmarks);
+    begin();
+    search(frame, filter, landmarks, SearchPass::kAll, SearchOrder::kBestKnown,
+           parameters_.max_searches, units, scratch);
+  }
+
   /// The filter was updated with the matches, or with a part of them.
   void note_update(const PixelUpdate& update) {
     counts_.inliers += update.inliers;

@@ -82,6 +82,7 @@ class OdometryIntegrator {
   void forget_yaw() { yaw_variance_ = 0.0F; }
 
  private:
+  static constexpr std::uint8_t kSettling = 250;  ///< in 2 ms
   using Step = OdometryMotion::Step;
   using Drift = OdometryMotion::Drift;
 
@@ -93,7 +94,17 @@ class OdometryIntegrator {
   Status move(const PlanarIncrement<float>& increment, float step_s, Filter& filter);
   template <class Filter>
   Status bridge_to(const OdometrySample& sample, Filter& filter);
-  Step bridging(const OdometrySample& sample) const;
+  Step bridging(const OdometrySample& sample);
+  float longest_turn_s(float time_s) const {
+    const float most_s = 2.0F * motion_.max_step_s();
+    return time_s < most_s ? time_s : most_s;
+  }
+  void begin_settling(float bridged_s) {
+    constexpr float kMost_s = 60.0F;
+    bridged_ms_ = static_cast<std::uint16_t>(1e3F * (bridged_s < kMost_s ? bridged_s : kMost_s));
+    settling_ = kSettling;
+  }
+  Step settling(const OdometrySample& sample);
   void note_interval(float step_s);
   void follow_image(float ahead_m, float turn_rad, float step_s);
   static PlanarPose<float> moved(const PlanarPose<float>& pose, const Step& step);
@@ -105,6 +116,8 @@ class OdometryIntegrator {
   std::int64_t time_us_ = 0;       ///< of the filter's pose
   std::int64_t corrected_us_ = 0;  ///< until then an image has corrected the pose
   float yaw_variance_ = 0.0F;
+  std::uint16_t bridged_ms_ = 0;  ///< of the last gap, what moved as the samples after it say
+  std::uint8_t settling_ = 0;  ///< of kSettling, in which these tell it better than the first one
   bool begun_ = false;
 };
 
@@ -131,7 +144,9 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
     const float held_s = time_us_ > from ? static_cast<float>(time_us_ - from) * 1e-6F : 0.0F;
     const Step measured = motion_.over(sample, held_s);
     const Step held = motion_.over(motion_.held(), held_s);
-    correction = {measured.distance_m - held.distance_m, measured.yaw_rad - held.yaw_rad};
+    const Step settled = settling(sample);
+    correction = {measured.distance_m - held.distance_m + settled.distance_m,
+                  measured.yaw_rad - held.yaw_rad + settled.yaw_rad};
   }
   const float since_s = motion_.seconds_since_sample(sample.t_us);
   path_ = moved(path_, motion_.over(glitch ? motion_.held() : sample, since_s));
@@ -139,6 +154,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
     motion_.count_from(sample.t_us);
     ++health.odometry_glitches;
   } else {
+    if (settling_ == kSettling) motion_.forget_steady();
     motion_.take(sample);
     note_interval(since_s);
   }
@@ -181,6 +197,7 @@ Status OdometryIntegrator::bridge_to(const OdometrySample& sample, Filter& filte
   const Status moved = move(increment, step_s, filter);
   if (!ok(moved)) return moved;
   const Drift drift = motion_.drift_between_samples(first, sample, step_s);
+  begin_settling(0.5F * step_s);
   time_us_ = sample.t_us;
   yaw_variance_ += drift.heading;
   trust_.fade(step_s);

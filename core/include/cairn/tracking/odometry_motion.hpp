@@ -79,6 +79,10 @@ class OdometryMotion {
 
   /// The low-passed readings, or what the images show.
   OdometrySample steady() const;
+  /// The low pass begins anew with the next reading.
+  void forget_steady() { steady_ = ReadingLowPass<float>(noise_.steady_s); }
+  /// What they will be with `sample`.
+  OdometrySample steady_with(const OdometrySample& sample) const;
   Step over(const OdometrySample& reading, float dt_s) const;
   /// The motion held, over `dt_s`, with its noise. `slip_mps`: standard deviation of the speed that
   /// wheels which slip add.

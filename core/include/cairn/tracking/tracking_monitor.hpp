@@ -68,6 +68,10 @@ class TrackingMonitor {
   int min_relocalisation_inliers(int found) const;
   /// Whether `found` of `expected` library landmarks confirm a recognised place.
   bool confirms_place(int found, int expected) const;
+  /// The same of a pose near odometry's, and landmarks of the filter that agree on it.
+  bool confirms_pose(int found, int expected) const {
+    return found > parameters_.min_inliers && found_most(found, expected);
+  }
 
   /// Why a frame's landmarks do not determine the pose: kTracked where they do. `shortage`: why
   /// there are too few to search.
@@ -90,6 +94,9 @@ class TrackingMonitor {
   void lose();
 
  private:
+  bool found_most(int found, int expected) const {
+    return static_cast<float>(found) >= parameters_.min_place_ratio * static_cast<float>(expected);
+  }
   void update_mean(const MeasurementCounts& counts);
   void note_weak_frame(bool could_search, Health& health);
 

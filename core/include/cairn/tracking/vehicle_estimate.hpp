@@ -125,10 +125,6 @@ class VehicleEstimate {
   /// PlanarPoseOptions::kMaxSightings.
   bool find_agreed(FrameContext& frame, Matches& matches, PlanarSighting* sightings,
                    PlanarPose<float>& pose) const;
-  /// An update about the pose that the matches agree on; nothing changes, kNoConsensus, where there
-  /// is none.
-  PixelUpdate update_agreed(FrameContext& frame, Matches& matches, PlanarSighting* sightings,
-                            int min_inliers);
   /// Most units of work that find_agreed() takes.
   static constexpr int agreement_work(int matches) {
     return PlanarConsensusOptions::kMostPairs * (8 + 2 * matches);  // a unit a projection
@@ -244,7 +240,8 @@ template <class Filter>
 bool VehicleEstimate<Filter>::find_agreed(FrameContext& frame, Matches& matches,
                                           PlanarSighting* sightings,
                                           PlanarPose<float>& pose) const {
-  constexpr float kSigmas = 2.0F;  // of a pixel, with the landmark's own error
+  constexpr float kSigmas = 2.0F;       // of a pixel, with the landmark's own error
+  constexpr float kMostChance = 1e-3F;  // a second look tells
   constexpr int kMost = PlanarPoseOptions::kMaxSightings;
   const int count = matches.size() < kMost ? matches.size() : kMost;
   if (!frame.work.take(agreement_work(count))) return false;
@@ -255,11 +252,12 @@ bool VehicleEstimate<Filter>::find_agreed(FrameContext& frame, Matches& matches,
     sightings[i].pixel = matches[i].pixel;
     sightings[i].sigma_px = sqrt(square(kSigmas * sigma_px_) + square(view.tilt_px()));
   }
+  PlanarConsensusOptions options;
+  options.max_chance = kMostChance;
   bool inliers[kMost] = {};
   int inlier_count = 0;
   if (!ok(find_planar_consensus(view, {filter_.mean_pose(), filter_.own_pose_covariance()},
-                                sightings, count, PlanarConsensusOptions{}, pose, inliers,
-                                inlier_count))) {
+                                sightings, count, options, pose, inliers, inlier_count))) {
     return false;
   }
   int kept = 0;
@@ -268,19 +266,6 @@ bool VehicleEstimate<Filter>::find_agreed(FrameContext& frame, Matches& matches,
   }
   matches.resize(kept);
   return true;
-}
-
-template <class Filter>
-PixelUpdate VehicleEstimate<Filter>::update_agreed(FrameContext& frame, Matches& matches,
-                                                   PlanarSighting* sightings, int min_inliers) {
-  PixelUpdate result;
-  result.status = Status::kNoConsensus;
-  PlanarPose<float> agreed;
-  if (!find_agreed(frame, matches, sightings, agreed)) return result;
-  const Placement before = place(agreed);
-  result = update(frame, matches, min_inliers);
-  if (result.inliers == 0) filter_.put_back(before);
-  return result;
 }
 
 template <class Filter>

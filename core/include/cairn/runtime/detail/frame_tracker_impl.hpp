@@ -138,8 +138,12 @@ void FrameTracker<Config, Filter>::measure(Frame& frame) {
       estimate_.update_work(most) + (unsure() ? Estimate::agreement_work(most) : 0);
   const int units =
       updates ? work_.for_searches(relocalises ? map_reuse_.next_work() : 0, update_work) : 0;
+  const bool aside = unsure();
+  const typename Estimate::Placement before =
+      aside ? look_aside(estimate_, monitor_) : typename Estimate::Placement{};
   measurement_.search(frame, estimate_, estimate_.landmarks(), SearchPass::kAll,
                       SearchOrder::kMostUncertain, planned, units, scratch_.search);
+  if (aside) estimate_.filter().put_back(before);
 }
 
 template <class Config, class Filter>
@@ -163,16 +167,12 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
   return status;
 }
 
-/// Where the heading is unsure, about the pose that the matches agree on.
 template <class Config, class Filter>
 PixelUpdate FrameTracker<Config, Filter>::update_estimate(Frame& frame,
                                                           typename Measurement::Matches& matches) {
-  const int wanted = monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers());
-  if (!unsure()) return estimate_.update(frame, matches, wanted);
-  auto& scratch = *new (&scratch_.relocaliser.near) typename Relocaliser<Config>::Scratch::Near();
-  const int least = monitor_.parameters().min_inliers;
-  return estimate_.update_agreed(frame, matches, scratch.sightings,
-                                 wanted > least ? wanted : least);
+  if (unsure()) return update_unsure(frame, estimate_, measurement_, monitor_);
+  return estimate_.update(frame, matches,
+                          monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers()));
 }
 
 /// Tells odometry how far the image moved the pose along its heading. Where the pose was not known

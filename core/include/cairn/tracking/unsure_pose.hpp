@@ -1,0 +1,79 @@
+#pragma once
+
+#include <new>
+
+#include "cairn/tracking/landmark_measurement.hpp"
+#include "cairn/tracking/vehicle_estimate.hpp"
+#include "cairn/tracking/vehicle_frame.hpp"
+
+namespace cairn {
+
+/// Search and update of a vehicle whose heading became unsure. A window is smaller than what such a
+/// heading moves a landmark by, and within an unsure pose false matches agree: so frames search
+/// from one heading after the other, and a pose on which matches agree counts once most of the
+/// landmarks that are to be seen from it are found there.
+
+/// The filter's pose becomes `pose`, as sure as the largest search windows allow, or by `share` of
+/// that: until put_back().
+template <class Filter>
+typename Filter::Placement look_from(VehicleEstimate<Filter>& estimate,
+                                     const PlanarPose<float>& pose, float share) {
+  constexpr float kSigmas = 4.3F;  // 99.99 %
+  constexpr float kOfHeight = 0.25F;
+  constexpr float kReach_px = PatchSearchParameters::kMaxHalfWindow;
+  const float position_m = share * kOfHeight * estimate.T_vehicle_camera().translation.z();
+  const float heading_rad = share * kReach_px / (kSigmas * estimate.camera().fx);
+  return estimate.filter().place(pose, square(position_m), square(heading_rad));
+}
+
+/// Places the estimate where this frame's landmarks are to be searched from, for put_back(): at the
+/// mean, and in the next frames turned to its sides in turn, as far as one standard deviation.
+template <class Filter>
+typename Filter::Placement look_aside(VehicleEstimate<Filter>& estimate,
+                                      const TrackingMonitor& monitor) {
+  constexpr float kStep_px = 1.8F * PatchSearchParameters::kMaxHalfWindow;
+  const float step_rad = kStep_px / estimate.camera().fx;
+  const float sigma_rad = sqrt(estimate.filter().own_pose_covariance()(2, 2));
+  const int most = round_to_int((sigma_rad < kPi<float> ? sigma_rad : kPi<float>) / step_rad);
+  const int look = monitor.weak_frames() % (2 * most + 1);
+  const int steps = look % 2 == 1 ? (look + 1) / 2 : -look / 2;
+  PlanarPose<float> pose = estimate.filter().mean_pose();
+  pose.heading = wrap_angle(pose.heading + static_cast<float>(steps) * step_rad);
+  return look_from(estimate, pose, 1.0F);
+}
+
+/// Updates the estimate about the pose that the frame's matches, found from look_aside(), agree on;
+/// nothing changes, kNoConsensus, where there is none. Cost: Estimate::agreement_work(), where it
+/// finds one a second search, agreement_work() and the update, within the frame's work.
+template <class Config, class Filter>
+PixelUpdate update_unsure(VehicleFrame<Config>& frame, VehicleEstimate<Filter>& estimate,
+                          LandmarkMeasurement<Config::kMaxLandmarks>& measurement,
+                          const TrackingMonitor& monitor) {
+  constexpr float kOfReach = 0.5F;
+  auto& matches = measurement.matches();
+  PlanarPose<float> agreed;
+  const auto agree = [&] {
+    using Near = typename Relocaliser<Config>::Scratch::Near;
+    auto& near = *new (&frame.scratch.relocaliser.near) Near();
+    return estimate.find_agreed(frame, matches, near.sightings, agreed);
+  };
+  PixelUpdate result;
+  result.status = Status::kNoConsensus;
+  const auto before = look_aside(estimate, monitor);
+  if (agree()) {
+    static_cast<void>(look_from(estimate, agreed, kOfReach));
+    const int units = frame.work.for_searches(0, estimate.update_work(matches.size()));
+    measurement.search_again(frame, estimate, estimate.landmarks(), units, frame.scratch.search);
+    const int searched = measurement.counts().searched;
+    const bool found = agree() && monitor.confirms_pose(matches.size(), searched);
+    estimate.filter().put_back(before);
+    if (!found) return result;
+    static_cast<void>(estimate.place(agreed));
+    result = estimate.update(frame, matches,
+                             monitor.min_inliers(measurement.counts(), estimate.min_inliers()));
+  }
+  if (result.inliers == 0) estimate.filter().put_back(before);
+  return result;
+}
+
+}  // namespace cairn
