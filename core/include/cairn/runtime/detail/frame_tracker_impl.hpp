@@ -221,6 +221,7 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
     const float way_m = odometry_.path().position.norm();
     static_cast<void>(estimate_.filter().widen_pose(square(kOfWay * way_m), square(kHeading_rad)));
     begin_anew(frame);
+    odometry_.believe_samples();
   }
   if (anew && given_up && !known && unsure()) begin_anew(frame);
   // Followed at rest, which nothing but its assumption says, seeds of a vehicle that moves already
