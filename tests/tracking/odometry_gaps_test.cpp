@@ -84,8 +84,11 @@ TEST_F(AVehicleWithOdometry, HearsMoreThanOneReadingOfWhatAGapWas) {
       for (int k = 1; k <= 14; ++k) ASSERT_TRUE(ok(add(end_us + k * kShortUs, 1.0F, 0.1F)));
       const float noise_left = filter_.mean_pose().heading - before - 0.1F * (gap_s + 14 * 0.0333F);
       const float noise = 0.5F * kNoise * gap_s;
-      if (seen) EXPECT_NEAR(noise_left, noise, 0.02F);
-      if (!seen) EXPECT_LT(std::abs(noise_left), 0.3F * noise);
+      if (seen) {
+        EXPECT_NEAR(noise_left, noise, 0.02F);
+      } else {
+        EXPECT_LT(std::abs(noise_left), 0.3F * noise);
+      }
     }
   }
 }
