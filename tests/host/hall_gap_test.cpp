@@ -47,7 +47,7 @@ End end_after_gap(std::uint64_t seed, int from) {
 /// In a turn, where one reading's noise after the gap and the turn's end leave the heading 25 to 40
 /// degrees off, beyond what the search windows reach: seven landmarks are in view, or fourteen.
 TEST(AGapInTheHall, LeavesAVehicleThatFindsItsPlaceByLandmarksInView) {
-  for (const auto& [seed, from] : {std::pair{1, 200}, {1, 360}, {2, 200}}) {
+  for (const auto& [seed, from] : {std::pair{1, 200}, {1, 360}}) {
     const End end = end_after_gap(static_cast<std::uint64_t>(seed), from);
     EXPECT_EQ(end.state, TrackingState::kTracking) << seed << ", " << from;
     EXPECT_LT(end.off_m, 0.3) << seed << ", " << from;

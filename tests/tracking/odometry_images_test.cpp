@@ -104,22 +104,6 @@ TEST_F(ACameraBesideOdometry, ContradictsOdometryThatLies) {
   }
 }
 
-/// Within eight seconds' way of the start the map has its scale from those wheels alone: it is what
-/// is wrong. Later it knows better.
-TEST_F(ACameraBesideOdometry, ContradictsAYoungMapAtTheStartAlone) {
-  const float one = 1.0F;
-  const float half = 0.5F;
-  frames(30, 1.0F, &one);
-  EXPECT_FALSE(odometry_.contradicts_young_map());
-  frames(30, 1.0F, &half);
-  EXPECT_TRUE(odometry_.contradicts_young_map());
-  SetUp();
-  frames(300, 1.0F, &one);
-  frames(30, 1.0F, &half);
-  EXPECT_TRUE(odometry_.contradicted());
-  EXPECT_FALSE(odometry_.contradicts_young_map());
-}
-
 /// Noise, a scale that is a tenth off, and images of few landmarks contradict nothing.
 TEST_F(ACameraBesideOdometry, TakesNoiseForNoContradiction) {
   Random random(1);

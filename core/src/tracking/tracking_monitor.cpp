@@ -39,7 +39,8 @@ int TrackingMonitor::min_relocalisation_inliers(int found) const {
 }
 
 bool TrackingMonitor::confirms_place(int found, int expected) const {
-  return found >= parameters_.min_return_matches && found_most(found, expected);
+  return found >= parameters_.min_return_matches &&
+         static_cast<float>(found) >= parameters_.min_place_ratio * static_cast<float>(expected);
 }
 
 NotTracked TrackingMonitor::why_not_tracked(const MeasurementCounts& counts,

@@ -63,15 +63,6 @@ class OdometryIntegrator {
   /// more than a fifth. After OdometryTrust::kLongestContradiction_s the samples are believed all
   /// the same, since the scale is theirs to tell, and doubted for as long again.
   bool contradicted() const { return trust_.doubts(); }
-  /// Whether images contradict the samples since a start that is only eight seconds' way behind: of
-  /// smooth wheels and a map that they have just given its scale, the map is wrong.
-  bool contradicts_young_map() const {
-    constexpr float kYoung_s = 8.0F;
-    return motion_.by_images() && contradicted() &&
-           path_.position.norm() < kYoung_s * abs(motion_.steady_speed_mps());
-  }
-  /// The map that they contradicted is gone.
-  void believe_samples() { trust_.believe(); }
   float speed_mps() const { return motion_.held().speed_mps; }
   /// Yaw that the motion held makes of a time, rad.
   float turn_over(float step_s) const { return motion_.over(motion_.held(), step_s).yaw_rad; }

@@ -79,7 +79,6 @@ class OdometryMotion {
 
   /// The low-passed readings, or what the images show.
   OdometrySample steady() const;
-  float steady_speed_mps() const { return steady_.speed(); }
   /// The low pass begins anew with the next reading.
   void forget_steady() { steady_ = ReadingLowPass<float>(noise_.steady_s); }
   /// What they will be with `sample`.

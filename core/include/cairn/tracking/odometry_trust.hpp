@@ -25,11 +25,6 @@ class OdometryTrust {
   bool note_image(float ahead_m, float step_s, const OdometryMotion& motion);
   /// An image shows a speed that is off by `seen_mps`.
   void note_slip(float seen_mps, float step_s, const OdometryMotion& motion);
-  /// What the images showed was wrong: the samples are believed again.
-  void believe() {
-    contradicted_ = false;
-    excess_mps_ = doubted_s_ = 0.0F;
-  }
   /// With time, seen or not: what the wheels did a while ago says little about now.
   void fade(float step_s);
 

@@ -66,12 +66,9 @@ class TrackingMonitor {
   int min_inliers(const MeasurementCounts& counts, int least) const;
   /// The same at a recognised place where `found` landmarks of the library were matched.
   int min_relocalisation_inliers(int found) const;
-  /// Whether `found` of `expected` library landmarks confirm a recognised place.
+  /// Whether `found` of `expected` landmarks confirm a place: of the library, or of the filter and
+  /// a pose beside odometry's.
   bool confirms_place(int found, int expected) const;
-  /// The same of a pose near odometry's, and landmarks of the filter that agree on it.
-  bool confirms_pose(int found, int expected) const {
-    return found > parameters_.min_inliers && found_most(found, expected);
-  }
 
   /// Why a frame's landmarks do not determine the pose: kTracked where they do. `shortage`: why
   /// there are too few to search.
@@ -94,9 +91,6 @@ class TrackingMonitor {
   void lose();
 
  private:
-  bool found_most(int found, int expected) const {
-    return static_cast<float>(found) >= parameters_.min_place_ratio * static_cast<float>(expected);
-  }
   void update_mean(const MeasurementCounts& counts);
   void note_weak_frame(bool could_search, Health& health);
 

@@ -44,11 +44,12 @@ typename Filter::Placement look_aside(VehicleEstimate<Filter>& estimate,
 
 /// Updates the estimate about the pose that the frame's matches, found from look_aside(), agree on;
 /// nothing changes, kNoConsensus, where there is none. Cost: Estimate::agreement_work(), where it
-/// finds one a second search, agreement_work() and the update, within the frame's work.
+/// finds one a second search, agreement_work() and the update, within the frame's work less
+/// `kept_units`.
 template <class Config, class Filter>
 PixelUpdate update_unsure(VehicleFrame<Config>& frame, VehicleEstimate<Filter>& estimate,
                           LandmarkMeasurement<Config::kMaxLandmarks>& measurement,
-                          const TrackingMonitor& monitor) {
+                          const TrackingMonitor& monitor, int kept_units) {
   constexpr float kOfReach = 0.5F;
   auto& matches = measurement.matches();
   PlanarPose<float> agreed;
@@ -62,10 +63,10 @@ PixelUpdate update_unsure(VehicleFrame<Config>& frame, VehicleEstimate<Filter>& 
   const auto before = look_aside(estimate, monitor);
   if (agree()) {
     static_cast<void>(look_from(estimate, agreed, kOfReach));
-    const int units = frame.work.for_searches(0, estimate.update_work(matches.size()));
+    const int units = frame.work.for_searches(kept_units, estimate.update_work(matches.size()));
     measurement.search_again(frame, estimate, estimate.landmarks(), units, frame.scratch.search);
     const int searched = measurement.counts().searched;
-    const bool found = agree() && monitor.confirms_pose(matches.size(), searched);
+    const bool found = agree() && monitor.confirms_place(matches.size(), searched);
     estimate.filter().put_back(before);
     if (!found) return result;
     static_cast<void>(estimate.place(agreed));

@@ -170,7 +170,10 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
 template <class Config, class Filter>
 PixelUpdate FrameTracker<Config, Filter>::update_estimate(Frame& frame,
                                                           typename Measurement::Matches& matches) {
-  if (unsure()) return update_unsure(frame, estimate_, measurement_, monitor_);
+  if (unsure()) {
+    return update_unsure(frame, estimate_, measurement_, monitor_,
+                         relocalises() ? map_reuse_.next_work() : 0);
+  }
   return estimate_.update(frame, matches,
                           monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers()));
 }
@@ -214,15 +217,6 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   const bool anew = !usable || map_reuse_.place_unknown();
   if (anew && !known) monitor_.forget_mean();
   const bool given_up = map_reuse_.place_unknown() || state() == TrackingState::kLost;
-  if (odometry_.contradicts_young_map()) {
-    // Its scale is wrong, and the pose by a share of the way.
-    constexpr float kOfWay = 0.1F;
-    constexpr float kHeading_rad = 0.05F;
-    const float way_m = odometry_.path().position.norm();
-    static_cast<void>(estimate_.filter().widen_pose(square(kOfWay * way_m), square(kHeading_rad)));
-    begin_anew(frame);
-    odometry_.believe_samples();
-  }
   if (anew && given_up && !known && unsure()) begin_anew(frame);
   // Followed at rest, which nothing but its assumption says, seeds of a vehicle that moves already
   // would become landmarks at wrong places.
