@@ -14,10 +14,11 @@ namespace cairn {
 /// landmarks that are to be seen from it are found there.
 
 /// The filter's pose becomes `pose`, as sure as the largest search windows allow, or by `share` of
-/// that: until put_back().
+/// that: until put_back(). A call of its own, as what follows: stack that the searches need.
 template <class Filter>
-typename Filter::Placement look_from(VehicleEstimate<Filter>& estimate,
-                                     const PlanarPose<float>& pose, float share) {
+__attribute__((noinline)) typename Filter::Placement look_from(VehicleEstimate<Filter>& estimate,
+                                                               const PlanarPose<float>& pose,
+                                                               float share) {
   constexpr float kSigmas = 4.3F;  // 99.99 %
   constexpr float kOfHeight = 0.25F;
   constexpr float kReach_px = PatchSearchParameters::kMaxHalfWindow;
@@ -29,8 +30,8 @@ typename Filter::Placement look_from(VehicleEstimate<Filter>& estimate,
 /// Places the estimate where this frame's landmarks are to be searched from, for put_back(): at the
 /// mean, and in the next frames turned to its sides in turn, as far as one standard deviation.
 template <class Filter>
-typename Filter::Placement look_aside(VehicleEstimate<Filter>& estimate,
-                                      const TrackingMonitor& monitor) {
+__attribute__((noinline)) typename Filter::Placement look_aside(VehicleEstimate<Filter>& estimate,
+                                                                const TrackingMonitor& monitor) {
   constexpr float kStep_px = 1.8F * PatchSearchParameters::kMaxHalfWindow;
   const float step_rad = kStep_px / estimate.camera().fx;
   const float sigma_rad = sqrt(estimate.filter().own_pose_covariance()(2, 2));
@@ -42,37 +43,51 @@ typename Filter::Placement look_aside(VehicleEstimate<Filter>& estimate,
   return look_from(estimate, pose, 1.0F);
 }
 
-/// Updates the estimate about the pose that the frame's matches, found from look_aside(), agree on;
-/// nothing changes, kNoConsensus, where there is none. Cost: Estimate::agreement_work(), where it
-/// finds one a second search, agreement_work() and the update, within the frame's work less
-/// `kept_units`.
+/// Whether the frame's matches agree on a pose, `frame.agreed`.
 template <class Config, class Filter>
-PixelUpdate update_unsure(VehicleFrame<Config>& frame, VehicleEstimate<Filter>& estimate,
-                          LandmarkMeasurement<Config::kMaxLandmarks>& measurement,
-                          const TrackingMonitor& monitor, int kept_units) {
+__attribute__((noinline)) bool agree(VehicleFrame<Config>& frame,
+                                     const VehicleEstimate<Filter>& estimate,
+                                     LandmarkMeasurement<Config::kMaxLandmarks>& measurement) {
+  using Near = typename Relocaliser<Config>::Scratch::Near;
+  auto& near = *new (&frame.scratch.relocaliser.near) Near();
+  return estimate.find_agreed(frame, measurement.matches(), near.sightings, frame.agreed);
+}
+
+/// Places the estimate where a second search is to look, where the matches of the first one, from
+/// look_aside(), agree on a pose; whether they do.
+template <class Config, class Filter>
+__attribute__((noinline)) bool look_again(VehicleFrame<Config>& frame,
+                                          VehicleEstimate<Filter>& estimate,
+                                          LandmarkMeasurement<Config::kMaxLandmarks>& measurement) {
   constexpr float kOfReach = 0.5F;
-  auto& matches = measurement.matches();
-  PlanarPose<float> agreed;
-  const auto agree = [&] {
-    using Near = typename Relocaliser<Config>::Scratch::Near;
-    auto& near = *new (&frame.scratch.relocaliser.near) Near();
-    return estimate.find_agreed(frame, matches, near.sightings, agreed);
-  };
+  if (!agree(frame, estimate, measurement)) return false;
+  static_cast<void>(look_from(estimate, frame.agreed, kOfReach));
+  return true;
+}
+
+/// Whether the matches of the second search agree on a pose, and most of those sought are there.
+template <class Config, class Filter>
+__attribute__((noinline)) bool confirm(VehicleFrame<Config>& frame,
+                                       const VehicleEstimate<Filter>& estimate,
+                                       LandmarkMeasurement<Config::kMaxLandmarks>& measurement,
+                                       const TrackingMonitor& monitor) {
+  const int searched = measurement.counts().searched;
+  return agree(frame, estimate, measurement) &&
+         monitor.confirms_place(measurement.matches().size(), searched);
+}
+
+/// Updates the estimate about the pose that the frame's matches agree on; nothing changes,
+/// kNoConsensus, where they do not.
+template <class Config, class Filter>
+__attribute__((noinline)) PixelUpdate update_unsure(
+    VehicleFrame<Config>& frame, VehicleEstimate<Filter>& estimate,
+    LandmarkMeasurement<Config::kMaxLandmarks>& measurement, const TrackingMonitor& monitor) {
   PixelUpdate result;
   result.status = Status::kNoConsensus;
-  const auto before = look_aside(estimate, monitor);
-  if (agree()) {
-    static_cast<void>(look_from(estimate, agreed, kOfReach));
-    const int units = frame.work.for_searches(kept_units, estimate.update_work(matches.size()));
-    measurement.search_again(frame, estimate, estimate.landmarks(), units, frame.scratch.search);
-    const int searched = measurement.counts().searched;
-    const bool found = agree() && monitor.confirms_place(matches.size(), searched);
-    estimate.filter().put_back(before);
-    if (!found) return result;
-    static_cast<void>(estimate.place(agreed));
-    result = estimate.update(frame, matches,
-                             monitor.min_inliers(measurement.counts(), estimate.min_inliers()));
-  }
+  if (!frame.agrees) return result;
+  const auto before = estimate.place(frame.agreed);
+  result = estimate.update(frame, measurement.matches(),
+                           monitor.min_inliers(measurement.counts(), estimate.min_inliers()));
   if (result.inliers == 0) estimate.filter().put_back(before);
   return result;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/map/shared_map.hpp"
+#include "cairn/planar/types.hpp"
 #include "cairn/tracking/expected_search.hpp"
 #include "cairn/tracking/feature_supply.hpp"
 #include "cairn/tracking/frame_context.hpp"
@@ -25,6 +26,8 @@ struct VehicleFrame : FrameContext {
 
   SharedMap<Config>& map;
   VehicleScratch<Config>& scratch;
+  PlanarPose<float> agreed;  ///< on which matches of an unsure pose agree
+  bool agrees = false;       ///< whether they do
 };
 
 }  // namespace cairn

@@ -136,14 +136,21 @@ void FrameTracker<Config, Filter>::measure(Frame& frame) {
   const int most = planned < landmarks ? planned : landmarks;
   const int update_work =
       estimate_.update_work(most) + (unsure() ? Estimate::agreement_work(most) : 0);
-  const int units =
-      updates ? work_.for_searches(relocalises ? map_reuse_.next_work() : 0, update_work) : 0;
+  const int kept = relocalises ? map_reuse_.next_work() : 0;
+  const int units = updates ? work_.for_searches(kept, update_work) : 0;
   const bool aside = unsure();
   const typename Estimate::Placement before =
       aside ? look_aside(estimate_, monitor_) : typename Estimate::Placement{};
   measurement_.search(frame, estimate_, estimate_.landmarks(), SearchPass::kAll,
                       SearchOrder::kMostUncertain, planned, units, scratch_.search);
-  if (aside) estimate_.filter().put_back(before);
+  if (!aside) return;
+  if (look_again(frame, estimate_, measurement_)) {
+    // Here and not in a part of its own: the searches are the deepest path of the stack.
+    measurement_.search_again(frame, estimate_, estimate_.landmarks(),
+                              work_.for_searches(kept, update_work), scratch_.search);
+    frame.agrees = confirm(frame, estimate_, measurement_, monitor_);
+  }
+  estimate_.filter().put_back(before);
 }
 
 template <class Config, class Filter>
@@ -170,10 +177,7 @@ Status FrameTracker<Config, Filter>::update(Frame& frame, Status status) {
 template <class Config, class Filter>
 PixelUpdate FrameTracker<Config, Filter>::update_estimate(Frame& frame,
                                                           typename Measurement::Matches& matches) {
-  if (unsure()) {
-    return update_unsure(frame, estimate_, measurement_, monitor_,
-                         relocalises() ? map_reuse_.next_work() : 0);
-  }
+  if (unsure()) return update_unsure(frame, estimate_, measurement_, monitor_);
   return estimate_.update(frame, matches,
                           monitor_.min_inliers(measurement_.counts(), estimate_.min_inliers()));
 }
