@@ -144,13 +144,16 @@ static void a_refused_input_changes_nothing(void) {
   cairn_report report;
   CHECK(cairn_vehicle_process_frame(v, &kImage, 1000, &report) != CAIRN_INVALID_ARGUMENT);
   CHECK(report.t_us == 1000);
-  const cairn_report before = report;
+  unsigned char before[sizeof report];
+  memcpy(before, &report, sizeof report);
   cairn_image narrow = kImage;
   narrow.width = kWidth - 1;
   CHECK(cairn_vehicle_process_frame(v, &narrow, 2000, &report) == CAIRN_INVALID_ARGUMENT);
   CHECK(cairn_vehicle_process_frame(v, &kImage, 1000, &report) == CAIRN_DUPLICATE);
   CHECK(cairn_vehicle_process_frame(v, &kImage, 1, &report) == CAIRN_TIME_BACKWARDS);
-  CHECK(memcmp(&before, &report, sizeof report) == 0);
+  unsigned char after[sizeof report];
+  memcpy(after, &report, sizeof report);
+  CHECK(memcmp(before, after, sizeof report) == 0);
   cairn_odometry sample = {2000, CAIRN_TWIST, NAN, 0.0F};
   CHECK(cairn_vehicle_add_odometry(v, &sample) == CAIRN_NON_FINITE_INPUT);
   sample.speed_mps = 0.1F;

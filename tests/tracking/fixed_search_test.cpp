@@ -156,8 +156,8 @@ TEST_F(FixedSearch, WindowsHoldThePlacesOfTheirEllipse) {
     ASSERT_TRUE(own.set(fixed, parameters));
     EXPECT_NEAR(own.half_x(), window.half_x, 1);
     EXPECT_NEAR(own.half_y(), window.half_y, 1);
-    EXPECT_NEAR(own.places(), window.places,
-                2 + window.places / 100 + window.half_x + window.half_y);
+    const int allowed = 2 + window.places / 100 + window.half_x + window.half_y;
+    EXPECT_NEAR(own.places(), window.places, allowed);
     for (int y = 0; y < 240; ++y) {
       int first = 0;
       int last = -1;

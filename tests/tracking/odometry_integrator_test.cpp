@@ -1,5 +1,6 @@
 #include "cairn/tracking/odometry_integrator.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -28,8 +29,8 @@ TEST_F(AVehicleWithOdometry, FollowsTheArcOfASteadyTurn) {
     ASSERT_TRUE(ok(add(k * kPeriodUs, kSpeed_mps, kRate)));
     const float turned = 0.1F * kRate * static_cast<float>(k);
     const PlanarPose<float> pose = filter_.mean_pose();
-    EXPECT_NEAR(pose.position.x(), radius_m * sin(turned), 1e-4F) << k;
-    EXPECT_NEAR(pose.position.y(), radius_m * (1.0F - cos(turned)), 1e-4F) << k;
+    EXPECT_NEAR(pose.position.x(), radius_m * std::sin(turned), 1e-4F) << k;
+    EXPECT_NEAR(pose.position.y(), radius_m * (1.0F - std::cos(turned)), 1e-4F) << k;
   }
 }
 
