@@ -14,7 +14,8 @@ if [ "${1:-}" = --demo ]; then
   shift
 else
   packages+=(
-    git clang clang-format clang-tidy libgtest-dev libbenchmark-dev librapidcheck-dev python3-matplotlib valgrind
+    git clang clang-format clang-tidy libgtest-dev libbenchmark-dev librapidcheck-dev python3-matplotlib python3-pil valgrind
+    xvfb xauth xdotool
     gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm llvm
     gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf
   )
