@@ -6,7 +6,8 @@ WORKDIR /cairn
 COPY scripts/setup.sh scripts/
 RUN scripts/setup.sh --demo && rm -rf /var/lib/apt/lists/*
 COPY . .
-RUN cmake --preset host -DCAIRN_BUILD_TESTS=OFF -DCAIRN_BUILD_EXAMPLES=OFF && cmake --build --preset host --target cairn_sim
+RUN cmake --preset host -DCAIRN_UNITY_BUILD=ON -DCAIRN_BUILD_TESTS=OFF -DCAIRN_BUILD_EXAMPLES=OFF \
+    && cmake --build --preset host --target cairn_sim
 
 FROM debian:12
 RUN apt-get update -q && DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends \
