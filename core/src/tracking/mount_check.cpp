@@ -1,5 +1,6 @@
 #include "cairn/tracking/mount_check.hpp"
 
+#include "cairn/numeric/float_bits.hpp"
 #include "cairn/numeric/math.hpp"
 
 namespace cairn {
@@ -12,8 +13,10 @@ constexpr int kFewestViews = 8;
 // No floor is flatter, no wheel truer: roll, pitch and yaw of one pair of frames.
 constexpr float kLeastMotionVariance = 1e-6F;
 
-Vector2<float> ray_of(const PinholeCamera<float>& camera, const Vector2<float>& pixel) {
-  return camera.unproject(pixel).head<2>();
+void look(const PinholeCamera<float>& camera, const Vector2<float>& pixel, FixedTangent (&ray)[2]) {
+  std::uint32_t saturations = 0;
+  const Vector3<float> seen = camera.unproject(pixel);
+  for (int i = 0; i < 2; ++i) ray[i] = fixed_of<FixedTangent>(seen[i], saturations);
 }
 
 /// The vehicle's frame at `from`, seen from its frame at `to`.
@@ -60,14 +63,16 @@ bool MountCheck::compare(const PinholeCamera<float>& camera, const OdometryStep&
   const float sigma_tilt = sqrt(kLeastMotionVariance + tilt_variance_);
   const float sigma_motion[MountEvidence::kMotions] = {sigma_tilt, sigma_tilt,
                                                        sqrt(kLeastMotionVariance + yaw_variance_)};
-  evidence_.begin_pair(between(path_, step.path), camera_m_, sigma_motion);
+  EpipolarPair pair(evidence_.camera(camera_m_), between(path_, step.path), sigma_motion);
   FixedVector<TwoViews, kMostViews> both;
   float flow_px = 0.0F;
   for (int i = 0; i < count && !both.full(); ++i) {
     const View* first = find(matches[i].id);
     if (first == nullptr) continue;
-    const TwoViews views = {ray_of(camera, first->pixel()), ray_of(camera, matches[i].pixel)};
-    flow_px += evidence_.flow_px(views);
+    TwoViews views;
+    look(camera, first->pixel(), views.first);
+    look(camera, matches[i].pixel, views.second);
+    flow_px += pair.flow_px(views);
     static_cast<void>(both.push_back(views));
   }
   if (both.size() < kFewestViews) return true;
@@ -76,13 +81,13 @@ bool MountCheck::compare(const PinholeCamera<float>& camera, const OdometryStep&
   const float enough_px = fading ? kLeastFlow_px : kEnoughFlow_px;
   const float wanted_px = enough_px * static_cast<float>(both.size());
   if (flow_px < wanted_px) return fading;
-  for (const TwoViews& views : both) evidence_.add(views);
-  evidence_.refine_motion();
+  for (const TwoViews& views : both) pair.add(views);
+  pair.refine_motion();
   flow_px = 0.0F;
-  for (const TwoViews& views : both) flow_px += evidence_.flow_px(views);
+  for (const TwoViews& views : both) flow_px += pair.flow_px(views);
   if (flow_px < wanted_px) return fading;
-  for (const TwoViews& views : both) evidence_.add(views);
-  evidence_.end_pair(since_s_);
+  for (const TwoViews& views : both) pair.add(views);
+  evidence_.add(pair, since_s_);
   return true;
 }
 
