@@ -48,8 +48,8 @@ struct EpipolarPair::Lines {
   }
   /// Derivative of the residual by what changes e (52 fraction bits) and both lines: 18 fraction
   /// bits.
-  std::int64_t derivative(std::int64_t d_e, const Vector& d_line,
-                          const Vector& d_line_first) const {
+  __attribute__((noinline)) std::int64_t derivative(std::int64_t d_e, const Vector& d_line,
+                                                    const Vector& d_line_first) const {
     const std::int64_t along = std::int64_t{line.x} * d_line.x + std::int64_t{line.y} * d_line.y +
                                std::int64_t{line_first.x} * d_line_first.x +
                                std::int64_t{line_first.y} * d_line_first.y;
@@ -138,15 +138,11 @@ float EpipolarPair::flow_px(const TwoViews& views) const {
   const Vector turned = turn(rows_, first);
   if (turned.z < kLeastDepth) return 0.0F;
   const auto moved = [&](std::int32_t from, std::int32_t to) {
-    return (std::int64_t{from} << kBits) / turned.z - to;
+    return static_cast<float>((std::int64_t{from} << kBits) / turned.z - to);
   };
-  const std::int64_t x = moved(turned.x, second.x);
-  const std::int64_t y = moved(turned.y, second.y);
-  std::uint32_t saturations = 0;
-  const std::int64_t squared =
-      wide::multiply(x, x, kBits, saturations) + wide::multiply(y, y, kBits, saturations);
-  const FixedRoot root = square_root(squared, kBits);
-  return focal_px_ * detail::float_from_fixed(root.mantissa, root.bits);
+  const float x = moved(turned.x, second.x);
+  const float y = moved(turned.y, second.y);
+  return focal_px_ / (1 << kBits) * sqrt(x * x + y * y);
 }
 
 bool EpipolarPair::lines_of(const TwoViews& views, Lines& out) const {
