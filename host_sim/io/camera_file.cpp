@@ -214,7 +214,9 @@ CameraFile read_camera_file(const fs::path& path, LensCheck lens) {
   } else {
     const nlohmann::json document = parse_config_document(path, text);
     if (!document.is_object()) {
-      throw InputError(path, "expected keys and values of a camera calibration");
+      throw InputError(path,
+                       "expected keys and values of a camera calibration, such as 'fx: 525', "
+                       "found none");
     }
     const CameraSection root(path, document);
     const CameraFormat& format = format_of(root);

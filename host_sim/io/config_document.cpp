@@ -195,13 +195,44 @@ json parse_xml(const fs::path& path, const std::string& text) {
   throw InputError(path, "expected OpenCV's XML (<opencv_storage>)");
 }
 
+/// `[image]` of an INI file's first line that is no comment; empty where the text is none. A list
+/// of YAML or JSON begins with more than one word.
+std::string ini_section(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::string_view content = trimmed(line);
+    if (content.empty() || content.front() == '#' || content.front() == ';') continue;
+    const bool bracketed = content.size() > 2 && content.front() == '[' && content.back() == ']' &&
+                           std::isalpha(static_cast<unsigned char>(content[1])) != 0;
+    const bool list = content.find_first_of(",:{\"") != std::string_view::npos;
+    return bracketed && !list ? std::string(content) : std::string();
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string read_config_text(const fs::path& path, const std::string& what) {
-  return read_text(path, kLargestFile, what);
+  const std::string text = read_text(path, kLargestFile, what);
+  std::string result;
+  result.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {  // line ends of any system
+    if (text[i] != '\r') {
+      result += text[i];
+    } else if (i + 1 == text.size() || text[i + 1] != '\n') {
+      result += '\n';
+    }
+  }
+  return result;
 }
 
 json parse_config_document(const fs::path& path, const std::string& text) {
+  const std::string ini = ini_section(text);
+  if (!ini.empty()) {
+    throw InputError(path, fmt::format("expected YAML, JSON or OpenCV's XML, found an INI file "
+                                       "({}); calibration programs write YAML as well",
+                                       ini));
+  }
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   return first != std::string::npos && text[first] == '<' ? parse_xml(path, text)
                                                           : parse_yaml(path, text);

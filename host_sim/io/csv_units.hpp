@@ -14,11 +14,12 @@ struct ColumnUnit {
 };
 
 /// A quantity that a column may hold. A header names it as NAME_UNIT, `NAME (UNIT)` or
-/// `NAME [UNIT]`.
+/// `NAME [UNIT]`, or as a field of a ROS message, whose unit is the first one.
 struct Quantity {
   const char* column;  ///< the documented name, such as speed_mps
   std::vector<std::string> names;
   std::vector<ColumnUnit> units;
+  const char* ros_field = "";  ///< end of its path in a message, such as linear.x
 };
 
 extern const Quantity kSpeed;      ///< m/s
@@ -35,6 +36,9 @@ struct QuantityColumn {
 };
 
 bool has_quantity(const CsvReader& csv, const Quantity& quantity);
+
+/// Whether a column is named so, whatever its unit.
+bool names_quantity(const CsvReader& csv, const Quantity& quantity);
 
 /// The column of `quantity`. Throws InputError where there is none, where two hold it, or where its
 /// unit is missing or unknown.

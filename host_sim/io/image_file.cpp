@@ -86,6 +86,8 @@ cv::Mat decode(const fs::path& path, const cv::Size& size, Decoded as) {
                        fmt::format("expected a whole image; its data is damaged ({})", damage));
     }
   }
+  // OpenCV wants a blank behind the last number of a text file.
+  if (bytes.rfind("P2", 0) == 0 || bytes.rfind("P3", 0) == 0) bytes += '\n';
   cv::Mat picture;
   try {
     const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());

@@ -97,7 +97,8 @@ class PnmNumbers {
  public:
   explicit PnmNumbers(const Bytes& bytes) : bytes_(bytes) {}
 
-  std::optional<std::uint32_t> next() {
+  /// Empty where there is none; a number at the end of the bytes may be cut.
+  std::optional<std::uint32_t> next(bool may_end = false) {
     while (bytes_.has(at_, 1) && (std::isspace(byte()) != 0 || byte() == '#')) {
       if (byte() == '#') {
         while (bytes_.has(at_, 1) && byte() != '\n') ++at_;
@@ -111,7 +112,12 @@ class PnmNumbers {
       value = 10 * value + static_cast<std::uint32_t>(byte() - '0');
       ++at_;
     }
-    return at_ > start && bytes_.has(at_, 1) ? std::optional(value) : std::nullopt;
+    const bool complete = may_end || bytes_.has(at_, 1);
+    return at_ > start && complete ? std::optional(value) : std::nullopt;
+  }
+  bool has_more(std::uint64_t count) {
+    while (count > 0 && next(true).has_value()) --count;
+    return count == 0;
   }
   std::size_t data() const { return at_ + 1; }
 
@@ -135,10 +141,10 @@ std::optional<PictureHeader> read_pnm(const Bytes& bytes) {
   header.brightest = static_cast<int>(*brightest);
   header.bits = *brightest > 255 ? 16 : 8;
   const bool text = kind == '2' || kind == '3';
-  const std::uint64_t channels = kind == '6' ? 3 : 1;
-  const std::uint64_t needed =
-      std::uint64_t{*width} * *height * channels * (header.bits == 16 ? 2 : 1);
-  header.whole = text || bytes.size() >= numbers.data() + needed;
+  const std::uint64_t channels = kind == '6' || kind == '3' ? 3 : 1;
+  const std::uint64_t samples = std::uint64_t{*width} * *height * channels;
+  header.whole = text ? numbers.has_more(samples)
+                      : bytes.size() >= numbers.data() + samples * (header.bits == 16 ? 2 : 1);
   return header;
 }
 

@@ -16,25 +16,32 @@ namespace fs = std::filesystem;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
-Quantity rate_about(const char* column, const char* axis) {
+Quantity rate_about(const char* column, const char* ros_field, const char* axis) {
   const std::string name = axis;
   return {column,
-          {"w" + name, "gyro_" + name, "gyroscope_" + name, "omega_" + name,
-           "angular_velocity_" + name, "w_rs_s_" + name},
+          {"w" + name, "gyro_" + name, "gyroscope_" + name, "omega_" + name, "g" + name,
+           "gyro" + name, "angular_velocity_" + name, "w_rs_s_" + name},
           {{"radps", 1.0},
            {"rad/s", 1.0},
            {"rad_s^-1", 1.0},
            {"rad_s-1", 1.0},
+           {"rad_s", 1.0},
            {"degps", kDegree},
            {"dps", kDegree},
-           {"deg/s", kDegree}}};
+           {"deg/s", kDegree},
+           {"deg_s", kDegree},
+           {"\xC2\xB0/s", kDegree}},
+          ros_field};
 }
 
 /// The columns that the documentation names, in rad/s, else one with a unit in its name.
 QuantityColumn rate_column(const CsvReader& csv, const char* name, const char* axis) {
   if (csv.has(name)) return {csv.column(name), 1.0};
   static const char* const kColumns[3] = {"wx_radps", "wy_radps", "wz_radps"};
-  return find_quantity(csv, rate_about(kColumns[axis[0] - 'x'], axis));
+  static const char* const kFields[3] = {"angular_velocity.x", "angular_velocity.y",
+                                         "angular_velocity.z"};
+  const int i = axis[0] - 'x';
+  return find_quantity(csv, rate_about(kColumns[i], kFields[i], axis));
 }
 
 /// A column `t` without a unit is in seconds, unless it counts from 1970.

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "host_sim/io/csv_units.hpp"
 #include "host_sim/io/input_error.hpp"
@@ -70,13 +71,26 @@ void check_order(const CsvReader& csv, const std::vector<OdometrySample>& sample
                                1e-6 * static_cast<double>(samples.back().t_us)));
 }
 
+/// Whether the turn is a yaw rate, else it is a steering angle. A yaw rate of an unknown unit is
+/// the one that the message is to name.
+bool turns_by_yaw_rate(const CsvReader& csv) {
+  if (has_quantity(csv, kYawRate)) return true;
+  if (has_quantity(csv, kSteering)) return false;
+  if (names_quantity(csv, kYawRate)) return true;
+  if (names_quantity(csv, kSteering)) return false;
+  throw InputError(csv.path(), 1,
+                   fmt::format("expected a column '{}' or '{}' (with '{}') in the header, found {}",
+                               kYawRate.column, kSteering.column, kWheelbase.column,
+                               fmt::join(csv.header(), ", ")));
+}
+
 }  // namespace
 
 OdometryFile read_odometry(const std::filesystem::path& path) {
   CsvReader csv(path);
-  const bool twist = has_quantity(csv, kYawRate);
   const TimeColumn time(csv);
   const QuantityColumn speed = find_quantity(csv, kSpeed);
+  const bool twist = turns_by_yaw_rate(csv);
   const QuantityColumn turn = find_quantity(csv, twist ? kYawRate : kSteering);
   const QuantityColumn length = twist ? QuantityColumn{} : find_quantity(csv, kWheelbase);
   OdometryFile odometry;

@@ -40,6 +40,67 @@ TEST(CameraFile, ReadsEveryFormatAndEveryCoefficient) {
   }
 }
 
+TEST(CameraFile, ReadsOpenVslamAndItsSuccessor) {
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& text) {
+    PinholeCamera<double> c;
+    ASSERT_NO_THROW(c = read_camera_file(folder.write("c.yaml", text)).camera) << text;
+    EXPECT_EQ(c.fx, 510.0) << text;
+    EXPECT_EQ(c.k2, -0.2) << text;
+    EXPECT_EQ(c.width, 640) << text;
+    EXPECT_EQ(c.height, 480) << text;
+  };
+  const std::string sizes = replaced(replaced(kOrbSlam2, "Camera.width: 640", "Camera.cols: 640"),
+                                     "Camera.height", "Camera.rows");
+  check(sizes + "Camera.model: \"perspective\"\nCamera.setup: \"monocular\"\n");
+  check(
+      "Camera:\n  name: TUM\n  setup: monocular\n  model: perspective\n  fx: 510\n  fy: 520\n"
+      "  cx: 320\n  cy: 240\n  k1: 0.1\n  k2: -0.2\n  cols: 640\n  rows: 480\n");
+  EXPECT_TRUE(says(problem_of(folder,
+                              "Camera:\n  fx: 510\n  fy: 520\n  cx: 320\n  cy: 240\n"
+                              "  model: equirectangular\n  cols: 640\n  rows: 480\n"),
+                   {"'Camera.model'", "equirectangular"}));
+}
+
+TEST(CameraFile, TheSizeHasTheNamesOfEveryFormat) {
+  const TemporaryFolder folder;
+  const std::string plain = "fx: 510\nfy: 520\ncx: 320\ncy: 240\n";
+  for (const char* size :
+       {"width: 640\nheight: 480\n", "image_width: 640\nimage_height: 480\n",
+        "cols: 640\nrows: 480\n", "resolution: [640, 480]\n", "image_size: [640, 480]\n"}) {
+    PinholeCamera<double> c;
+    ASSERT_NO_THROW(c = read_camera_file(folder.write("c.yaml", plain + size)).camera) << size;
+    EXPECT_EQ(c.width, 640) << size;
+    EXPECT_EQ(c.height, 480) << size;
+  }
+  EXPECT_TRUE(says(problem_of(folder, plain + "resolution: [640]\n"), {"'resolution'", "height"}));
+  EXPECT_TRUE(says(problem_of(folder, plain + "width: 640\nresolution: [640, 480]\n"),
+                   {"'image_height'", "missing"}));
+  EXPECT_TRUE(says(problem_of(folder, plain + "width: 640\ncols: 640\nheight: 480\n"),
+                   {"'cols'", "'width'", "both"}));
+}
+
+TEST(CameraFile, LineEndsOfEverySystemAreRead) {
+  const TemporaryFolder folder;
+  for (const char* text : {kOpenCv, kOrbSlam2, kKalibr, kColmap}) {
+    for (const char* end : {"\r", "\r\n"}) {
+      std::string other;
+      for (const char* c = text; *c != '\0'; ++c) other += *c == '\n' ? end : std::string(1, *c);
+      PinholeCamera<double> c;
+      ASSERT_NO_THROW(c = read_camera_file(folder.write("c.yaml", other)).camera) << other;
+      EXPECT_EQ(c.fx, 510.0);
+      EXPECT_EQ(c.height, 480);
+    }
+  }
+}
+
+TEST(CameraFile, AnIniFileIsNamed) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(says(problem_of(folder, "# oST version 5.0 parameters\n\n[image]\n\nwidth\n640\n"),
+                   {"INI file", "[image]", "YAML"}));
+  EXPECT_TRUE(says(problem_of(folder, "[LEFT_CAM_HD]\r\nfx=525\r\n"), {"INI", "LEFT_CAM_HD"}));
+}
+
 TEST(CameraFile, ReadsTheThirdRadialCoefficient) {
   const TemporaryFolder folder;
   const auto k3 = [&](const std::string& text) {
@@ -176,6 +237,8 @@ TEST(CameraFile, NoCoefficientIsDropped) {
   EXPECT_TRUE(says(problem(plain + "k4: 0.1\n"), {"'k4'", "not read"}));
   EXPECT_TRUE(says(problem(plain + "xi: 1.2\n"), {"'xi'", "not read"}));
   EXPECT_TRUE(says(problem(plain + "alpha: 0.6\n"), {"'alpha'"}));
+  EXPECT_TRUE(says(problem(plain + "r1: 0.1\nr2: -0.2\n"), {"'r1'", "not read"}));
+  EXPECT_TRUE(says(problem(plain + "kappa1: 0.1\n"), {"'kappa1'", "not read"}));
   EXPECT_TRUE(says(problem(plain + "skew: 0.6\n"), {"'skew'"}));
   EXPECT_TRUE(says(problem(plain + "coefficients: [0.1, 0, 0, 0]\n"), {"'coefficients'"}));
   EXPECT_TRUE(says(problem(plain + "lens_distortion: {k1: 0.1}\n"), {"'lens_distortion'"}));

@@ -86,8 +86,11 @@ TEST(CsvUnits, TheHeaderNamesTheUnit) {
        {Case{"speed_mps", &kSpeed, 1.0}, Case{"Speed (km/h)", &kSpeed, 1.0 / 3.6},
         Case{"velocity [m/s]", &kSpeed, 1.0}, Case{"v_mps", &kSpeed, 1.0},
         Case{"yaw_rate_degps", &kYawRate, kDegree}, Case{"omega [rad/s]", &kYawRate, 1.0},
-        Case{"steering angle (deg)", &kSteering, kDegree},
-        Case{"wheelbase_mm", &kWheelbase, 1e-3}}) {
+        Case{"steering angle (deg)", &kSteering, kDegree}, Case{"wheelbase_mm", &kWheelbase, 1e-3},
+        Case{"speed_mph", &kSpeed, 0.44704}, Case{"speed_m_s", &kSpeed, 1.0},
+        Case{"yaw_rate_deg_s", &kYawRate, kDegree},
+        Case{"field.twist.twist.linear.x", &kSpeed, 1.0}, Case{"linear.x", &kSpeed, 1.0},
+        Case{"/odom/twist/twist/angular/z", &kYawRate, 1.0}}) {
     const CsvReader csv(folder.write("a.csv", std::string("x,") + c.header + "\n"));
     const QuantityColumn found = find_quantity(csv, *c.quantity);
     EXPECT_EQ(found.index, 1U) << c.header;
@@ -99,8 +102,10 @@ TEST(CsvUnits, TheHeaderNamesTheUnit) {
     });
   };
   EXPECT_TRUE(says(problem("speed\n"), {"a.csv:1", "'speed'", "unit", "speed_mps"}));
-  EXPECT_TRUE(says(problem("speed_knots\n"), {"a.csv:1", "speed_mps", "speed_knots"}));
+  EXPECT_TRUE(says(problem("speed_rpm\n"), {"a.csv:1", "'speed_rpm'", "km/h", "found 'rpm'"}));
   EXPECT_TRUE(says(problem("v_mps,speed_kmh\n"), {"a.csv:1", "v_mps and speed_kmh"}));
+  EXPECT_TRUE(says(problem("speed_mps2,collinear.x\n"), {"'speed_mps2'", "found 'mps2'"}));
+  EXPECT_TRUE(says(problem("a.linear.x,b.linear.x\n"), {"a.linear.x and b.linear.x"}));
 }
 
 TEST(CsvUnits, TimesOfAnyUnitBecomeMicroseconds) {
@@ -116,6 +121,10 @@ TEST(CsvUnits, TimesOfAnyUnitBecomeMicroseconds) {
   EXPECT_EQ(time("x,time [us]\n1,1.5\n"), 2);
   EXPECT_EQ(time("t_s,t_us\n1,7\n"), 7);
   EXPECT_EQ(time("#timestamp [ns],x\n1403636579763555584,1\n"), 1403636579763556);
+  EXPECT_EQ(time("Timestamp[nanosecond],x\n1403636579763555584,1\n"), 1403636579763556);
+  EXPECT_EQ(time("%time,x\n1403636579763555584,1\n"), 1403636579763556);
+  EXPECT_EQ(time("__time,x\n1403636579.5,1\n"), 1403636579500000);
+  EXPECT_EQ(time("time_usec,x\n1500,1\n"), 1500);
   for (const char* value :
        {"1403636579.5", "1403636579500", "1403636579500000", "1403636579500000000"}) {
     EXPECT_EQ(time(std::string("timestamp\n") + value + "\n"), 1403636579500000) << value;

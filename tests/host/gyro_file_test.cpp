@@ -31,6 +31,17 @@ TEST(GyroFile, ReadsWhatDataSetsAndPhonesWrite) {
   EXPECT_EQ(euroc[1].t_us, 1403636579763556);
   EXPECT_EQ(euroc[1].rate_radps, Vector3<float>(-0.1F, 0.13F, 0.08F));
 
+  // A message of ROS and an app that records video with it.
+  for (const char* header :
+       {"__time,/imu/angular_velocity/x,/imu/angular_velocity/y,/imu/angular_velocity/z",
+        "Timestamp[nanosecond],gx[rad/s],gy[rad/s],gz[rad/s]"}) {
+    const auto samples =
+        read(std::string(header) + "\n1403636579758555392,1,2,3\n1403636579763555584,1,2,3\n");
+    ASSERT_EQ(samples.size(), 2U) << header;
+    EXPECT_EQ(samples[1].t_us, 1403636579763556) << header;
+    EXPECT_EQ(samples[1].rate_radps, Vector3<float>(1.0F, 2.0F, 3.0F)) << header;
+  }
+
   // An app of a phone, its columns in another order, its unit another.
   const auto phone = read(
       "\"Time (s)\";\"Gyroscope z (deg/s)\";\"Gyroscope x (deg/s)\";\"Gyroscope y (deg/s)\"\n"

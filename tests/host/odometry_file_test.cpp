@@ -43,6 +43,31 @@ TEST(OdometryFile, AYawRateBesideASteeringAngleIsUsedAndThatIsSaid) {
                   .warning.empty());
 }
 
+TEST(OdometryFile, TheTurnThatIsMissingOrOfAnUnknownUnitIsNamed) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const std::string& header) {
+    return message_of([&] { read_odometry(folder.write("o.csv", header + "\n0,1,0\n0.1,1,0\n")); });
+  };
+  EXPECT_TRUE(says(problem("t_s,speed_mps,yaw_rate_rads"), {"'yaw_rate_rads'", "found 'rads'"}));
+  EXPECT_TRUE(says(problem("t_s,speed_mps,steering_wheel_deg"), {"'steering_wheel_deg'", "unit"}));
+  EXPECT_TRUE(says(problem("t_s,speed_mps,heading"),
+                   {"yaw_rate_radps", "steering_rad", "wheelbase_m", "heading"}));
+}
+
+TEST(OdometryFile, ReadsWhatRosWrites) {
+  const TemporaryFolder folder;
+  const OdometryFile echo = read_odometry(folder.write(
+      "o.csv",
+      "%time,field.header.seq,field.header.stamp,field.header.frame_id,"
+      "field.twist.twist.linear.x,field.twist.twist.linear.y,field.twist.twist.angular.z\n"
+      "1700000000000000000,1,1700000000000000000,odom,1.5,0,-0.25\n"
+      "1700000000100000000,2,1700000000100000000,odom,1.5,0,-0.25\n"));
+  ASSERT_EQ(echo.samples.size(), 2U);
+  EXPECT_EQ(echo.samples[1].t_us, 1700000000100000);
+  EXPECT_FLOAT_EQ(echo.samples[1].speed_mps, 1.5F);
+  EXPECT_FLOAT_EQ(echo.samples[1].turn, -0.25F);
+}
+
 TEST(OdometryFile, UnitsOfTheHeaderAreConverted) {
   const TemporaryFolder folder;
   const OdometryFile odometry = read_odometry(

@@ -111,6 +111,25 @@ TEST(ImageFile, RefusesAJpegWhoseDataIsDamaged) {
   EXPECT_NO_THROW(read_grey_image(folder.write("padded.jpg", padded), {64, 48}, grey));
 }
 
+TEST(ImageFile, PicturesAsTextMayEndWithTheirLastNumber) {
+  const TemporaryFolder folder;
+  cv::Mat grey;
+  for (const char* end : {"", "\n", "\r\n", " # end"}) {
+    const std::string text = std::string("P2\n# by hand\n3 2\n255\n0 10 20\n30 40 250") + end;
+    read_grey_image(folder.write("text.pgm", text), {3, 2}, grey);
+    EXPECT_EQ(grey.at<std::uint8_t>(0, 1), 10) << end;
+    EXPECT_EQ(grey.at<std::uint8_t>(1, 2), 250) << end;
+  }
+  read_grey_image(folder.write("text.ppm", "P3 1 2 255 9 9 9 200 200 200"), {1, 2}, grey);
+  EXPECT_EQ(grey.at<std::uint8_t>(1, 0), 200);
+  for (const char* cut : {"P2 3 2 255 0 10 20 30 40", "P2 3 2 255", "P3 1 2 255 9 9 9 200 200",
+                          "P2 3 2 255 0 10 20 30 40 x"}) {
+    EXPECT_TRUE(says(message_of([&] { read_grey_image(folder.write("cut.pgm", cut), {}, grey); }),
+                     {"cut.pgm", "image"}))
+        << cut;
+  }
+}
+
 TEST(ImageFile, SizesAreCheckedBeforeDecoding) {
   const TemporaryFolder folder;
   std::string bytes = bytes_of(write_picture(folder, "small.png"));

@@ -41,6 +41,10 @@ bool CameraSection::has(const std::string& key) const {
   return object_->is_object() && object_->contains(key);
 }
 
+bool CameraSection::has_child(const std::string& key) const {
+  return has(key) && (*object_)[key].is_object();
+}
+
 std::string CameraSection::one_of(std::initializer_list<const char*> keys) const {
   std::string found;
   for (const char* key : keys) {

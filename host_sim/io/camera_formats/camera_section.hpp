@@ -25,6 +25,8 @@ class CameraSection {
   CameraSection(std::filesystem::path file, const nlohmann::json& object, std::string path = {});
 
   bool has(const std::string& key) const;
+  /// Whether `key` is there and holds keys.
+  bool has_child(const std::string& key) const;
   /// First of `keys` that is there, or empty. Two of them are refused: they may differ.
   std::string one_of(std::initializer_list<const char*> keys) const;
   std::vector<std::string> keys() const;

@@ -73,9 +73,9 @@ bool is_colmap_text(const std::string& text) {
   std::string line;
   while (std::getline(lines, line)) {
     const std::vector<std::string_view> fields = split_blanks(line);
-    if (fields.empty() || fields[0] == "\r" || fields[0].front() == '#') continue;
+    if (fields.empty() || fields[0].front() == '#') continue;
     const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
-    return fields.size() >= 4 && std::all_of(fields[0].begin(), fields[0].end(), is_digit) &&
+    return fields.size() >= 2 && std::all_of(fields[0].begin(), fields[0].end(), is_digit) &&
            is_upper_word(fields[1]);
   }
   return false;

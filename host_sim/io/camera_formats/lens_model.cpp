@@ -46,9 +46,10 @@ constexpr std::array<const char*, 10> kCoefficientKeys = {"distortioncoefficient
                                                           "dist",
                                                           "d"};
 
-/// k1 ... k9, p1 ..., s1 ... (thin prism), d1 ...
+/// k1 ... k9, p1 ..., s1 ... (thin prism), d1 ..., r1 ... and t1 ... (radial, tangential), b1 ...
+/// (affinity)
 bool is_numbered_coefficient(const std::string& name) {
-  return name.size() == 2 && std::string("kpsd").find(name[0]) != std::string::npos &&
+  return name.size() == 2 && std::string("kpsdrtb").find(name[0]) != std::string::npos &&
          std::isdigit(static_cast<unsigned char>(name[1])) != 0;
 }
 
@@ -57,7 +58,7 @@ bool speaks_of_the_lens(const std::string& name) {
       "xi",   "alpha", "beta",  "lambda", "omega",  "skew", "tau",
       "taux", "tauy",  "rpmax", "shear",  "alphac", "kc"};
   for (const char* part :
-       {"dist", "fisheye", "mirror", "radial", "tangential", "prism", "binning", "coef"}) {
+       {"dist", "fisheye", "mirror", "radial", "tangential", "prism", "binning", "coef", "kappa"}) {
     if (name.find(part) != std::string::npos) return true;
   }
   return is_numbered_coefficient(name) || is_one_of(name, kWords) || is_one_of(name, kModelKeys) ||
@@ -74,8 +75,8 @@ LensModel lens_model_named(const CameraSection& section, const std::string& key,
   static constexpr std::array<const char*, 8> kRadialTangential = {
       "radtan",  "radialtangential",       "plumbbob", "pinholeradtan", "brownconrady", "brown",
       "radtan5", "pinholeradialtangential"};
-  static constexpr std::array<const char*, 5> kRational = {
-      "rationalpolynomial", "rational", "radtan8", "pinholeradtan8", "fullopencv"};
+  static constexpr std::array<const char*, 6> kRational = {
+      "rationalpolynomial", "rational", "radtan8", "pinholeradtan8", "fullopencv", "pinholefull"};
   static constexpr std::array<const char*, 11> kFisheye = {
       "equidistant",       "equi", "pinholeequi",    "fisheye",        "opencvfisheye",
       "kannalabrandt",     "kb4",  "kannalabrandt4", "kannalabrandt8", "kb8",
@@ -226,6 +227,35 @@ void refuse_unread_lens_keys(const CameraSection& section, const std::string& pr
                                   "beside those of the model",
                                   section.shown(key), kExpectedModels));
   }
+}
+
+void read_picture_size(const CameraSection& section, const std::string& prefix,
+                       PinholeCamera<double>& camera) {
+  std::string width;
+  std::string height;
+  std::string both;
+  const auto find = [&](std::string& found, std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+      const std::string key = prefix + name;
+      if (!section.has(key)) continue;
+      if (!found.empty()) section.fail(key, "expected this key or '" + found + "', found both");
+      found = key;
+    }
+  };
+  find(width, {"width", "image_width", "image_Width", "imageWidth", "cols"});
+  find(height, {"height", "image_height", "image_Height", "imageHeight", "rows"});
+  find(both, {"resolution", "image_size", "imageSize"});
+  if (both.empty() || !width.empty() || !height.empty()) {
+    const std::string name = prefix.empty() ? "image_" : prefix;
+    camera.width = section.extent(width.empty() ? name + "width" : width, "the image width, px");
+    camera.height =
+        section.extent(height.empty() ? name + "height" : height, "the image height, px");
+    return;
+  }
+  const std::vector<double> sides = section.numbers(both, "width, height");
+  if (sides.size() != 2) section.fail(both, "expected width, height");
+  camera.width = section.to_extent(sides[0], both);
+  camera.height = section.to_extent(sides[1], both);
 }
 
 void read_camera_matrix(const CameraSection& section, const std::string& key,

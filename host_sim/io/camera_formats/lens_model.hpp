@@ -53,6 +53,11 @@ void read_distortion_keys(const CameraSection& section, const std::string& prefi
 /// all 0. Keys are looked at without `prefix`; those with another prefix belong to another camera.
 void refuse_unread_lens_keys(const CameraSection& section, const std::string& prefix = {});
 
+/// Width and height of the picture: two keys, such as `width` and `height`, `image_width` and
+/// `image_height`, `cols` and `rows`, or a list of both (`resolution`, `image_size`).
+void read_picture_size(const CameraSection& section, const std::string& prefix,
+                       PinholeCamera<double>& camera);
+
 /// fx, fy, cx, cy of a 3x3 camera matrix that is checked element by element.
 void read_camera_matrix(const CameraSection& section, const std::string& key,
                         PinholeCamera<double>& camera);

@@ -27,10 +27,7 @@ PinholeCamera<double> read_opencv(const CameraSection& root) {
   PinholeCamera<double> camera;
   const LensModel model = read_lens_model(root);
   read_camera_matrix(root, matrix_key(root), camera);
-  const std::string width = root.one_of({"image_width", "width", "image_Width", "imageWidth"});
-  const std::string height = root.one_of({"image_height", "height", "image_Height", "imageHeight"});
-  camera.width = root.extent(width.empty() ? "image_width" : width, "the image width, px");
-  camera.height = root.extent(height.empty() ? "image_height" : height, "the image height, px");
+  read_picture_size(root, "", camera);
   read_distortion_list(root, model, camera);
   refuse_crop(root, camera);
   refuse_unread_lens_keys(root);

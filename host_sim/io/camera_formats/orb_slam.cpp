@@ -1,5 +1,5 @@
-// ORB-SLAM2 writes Camera.fx, ORB-SLAM3 also Camera1.fx; the plain format is the same without
-// prefix.
+// ORB-SLAM2 and OpenVSLAM write Camera.fx, ORB-SLAM3 also Camera1.fx, stella_vslam fx below Camera;
+// the plain format is the same without prefix.
 #include "host_sim/io/camera_formats/camera_formats.hpp"
 #include "host_sim/io/camera_formats/lens_model.hpp"
 
@@ -8,6 +8,10 @@ namespace {
 
 bool has_any(const CameraSection& root, const std::string& prefix) {
   return root.has(prefix + "fx") || root.has(prefix + "fy") || root.has(prefix + "cx");
+}
+
+bool is_nested(const CameraSection& root) {
+  return root.has_child("Camera") && has_any(root.child("Camera"), "");
 }
 
 /// Intrinsics under `prefix`; the size under `size_prefix`.
@@ -19,8 +23,7 @@ PinholeCamera<double> read_keys(const CameraSection& root, const std::string& pr
   camera.fy = root.number(prefix + "fy", "the focal length, px");
   camera.cx = root.number(prefix + "cx", "the principal point, px");
   camera.cy = root.number(prefix + "cy", "the principal point, px");
-  camera.width = root.extent(size_prefix + "width", "the image width, px");
-  camera.height = root.extent(size_prefix + "height", "the image height, px");
+  read_picture_size(root, size_prefix, camera);
   read_distortion_keys(root, prefix, model, camera);
   if (prefix.empty() && !has_distortion_keys(root, prefix)) {
     read_distortion_list(root, model, camera);
@@ -33,8 +36,11 @@ PinholeCamera<double> read_keys(const CameraSection& root, const std::string& pr
 
 const CameraFormat kOrbSlamFormat{
     "ORB-SLAM", "Camera.fx or Camera1.fx",
-    [](const CameraSection& root) { return has_any(root, "Camera.") || has_any(root, "Camera1."); },
     [](const CameraSection& root) {
+      return has_any(root, "Camera.") || has_any(root, "Camera1.") || is_nested(root);
+    },
+    [](const CameraSection& root) {
+      if (is_nested(root)) return read_keys(root.child("Camera"), "", "");
       const bool numbered = has_any(root, "Camera1.");
       if (numbered && has_any(root, "Camera.")) {
         root.fail("Camera1.fx", "expected Camera1.fx or Camera.fx, found keys of both");
