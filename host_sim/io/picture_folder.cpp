@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdlib>
 #include <limits>
 
 #include <fmt/format.h>
@@ -99,6 +100,59 @@ std::optional<std::size_t> common_decimal_seconds(const std::vector<PictureName>
     }
   }
   return seconds;
+}
+
+/// How unevenly times follow one another, us; a gap counts as a second at most.
+std::int64_t unevenness_us(std::vector<std::int64_t> times_us) {
+  std::sort(times_us.begin(), times_us.end());
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < times_us.size(); ++i) steps.push_back(times_us[i] - times_us[i - 1]);
+  if (steps.empty()) return 0;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const std::int64_t median = *middle;
+  std::int64_t sum = 0;
+  for (const std::int64_t step : steps) {
+    sum += std::min<std::int64_t>(std::abs(step - median), 1000000);
+  }
+  return sum;
+}
+
+/// SECONDS.NANOSECONDS without leading zeros (1.5000000 for 1.005) is no decimal number. Told by
+/// the order that it makes: whole nanoseconds, or microseconds, follow one another more evenly. A
+/// fraction that begins with 0 has kept its zeros.
+void refuse_lost_zeros(const std::vector<PictureName>& names, std::size_t seconds) {
+  constexpr std::size_t kFewest = 5;  // to see an order
+  if (names.size() < kFewest) return;
+  std::size_t longest = 0;
+  std::size_t shortest = std::numeric_limits<std::size_t>::max();
+  for (const PictureName& name : names) {
+    const std::string& fraction = name.numbers[seconds + 1];
+    if (fraction.size() > 1 && fraction.front() == '0') return;
+    longest = std::max(longest, fraction.size());
+    shortest = std::min(shortest, fraction.size());
+  }
+  if (longest == shortest || longest > 9) return;
+  std::vector<std::int64_t> decimal_us;
+  std::vector<std::int64_t> counted_us;
+  const PictureName* short_one = nullptr;
+  for (const PictureName& name : names) {
+    const std::string& fraction = name.numbers[seconds + 1];
+    if (fraction.size() == shortest) short_one = &name;
+    const std::int64_t count = to_number(name.path, fraction);
+    decimal_us.push_back(decimal_time_us(name, seconds));
+    counted_us.push_back(1000000 * to_number(name.path, name.numbers[seconds]) +
+                         (longest > 6   ? count / 1000
+                          : longest > 3 ? count
+                                        : 1000 * count));
+  }
+  if (2 * unevenness_us(std::move(counted_us)) >= unevenness_us(std::move(decimal_us))) return;
+  throw InputError(short_one->path,
+                   fmt::format("expected seconds with decimals as name; the digits behind the "
+                               "point seem to be {} without their leading zeros: rename the images",
+                               longest > 6   ? "nanoseconds"
+                               : longest > 3 ? "microseconds"
+                                             : "milliseconds"));
 }
 
 /// Digits behind a point are a fraction where their count varies, and then no frame number.
@@ -214,6 +268,7 @@ PictureFolder list_pictures(const fs::path& folder) {
   const std::vector<PictureName> names(paths.begin(), paths.end());
   std::vector<Entry> entries;
   if (const auto seconds = common_decimal_seconds(names)) {
+    refuse_lost_zeros(names, *seconds);
     for (const PictureName& name : names) {
       entries.push_back({decimal_time_us(name, *seconds), name.path});
     }

@@ -1,5 +1,6 @@
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
@@ -267,6 +268,23 @@ TEST(PictureFolder, NamesThatCannotBeOrderedAreRefused) {
       says(problem({"1_1.png", "1_2.png", "2_1.png"}), {"1_1.png", "1_2.png", "one number"}));
   EXPECT_TRUE(
       says(problem({"img_12.1.png", "img_12.15.png"}), {"img_12.15.png", "behind the point"}));
+  const auto of_step = [](const char* format, int step_ns) {
+    Names names;
+    for (int i = 0; i < 40; ++i) {
+      const std::int64_t t = 1305031102763555584 + std::int64_t{i} * step_ns;
+      names.push_back(fmt::format(fmt::runtime(format), t / 1000000000, t % 1000000000,
+                                  t % 1000000000 / 1000, static_cast<double>(t) / 1e9));
+    }
+    return names;
+  };
+  EXPECT_TRUE(says(problem(of_step("{0}.{1}.png", 33333333)), {"nanoseconds", "leading zeros"}));
+  EXPECT_TRUE(says(problem(of_step("{0}.{2}.png", 50000000)), {"microseconds", "leading zeros"}));
+  EXPECT_EQ(problem(of_step("{0}.{1:09}.png", 33333333)), "no error");
+  EXPECT_EQ(problem(of_step("{0}.{2:06}.png", 50000000)), "no error");
+  EXPECT_EQ(problem(of_step("{3}.png", 33333333)), "no error");
+  EXPECT_EQ(problem(of_step("{3:.2f}.png", 100000000)), "no error");
+  EXPECT_EQ(problem({"7.5.png", "7.55.png", "7.6.png", "7.65.png", "7.7.png", "7.75.png"}),
+            "no error");
   EXPECT_TRUE(says(problem({"1.png", "01.png"}), {"second one", "1.png"}));
   EXPECT_TRUE(says(problem({"1.png", "1.jpg"}), {"second one"}));
   EXPECT_TRUE(says(problem({"99999999999999999999.png"}), {"64 bits", "9223372036854775807"}));
