@@ -60,6 +60,12 @@ class CameraTrack {
   /// A gyroscope that agrees with the pictures takes the place of both, one that is not proven yet
   /// that of the constant rate.
   Rigid<float> predict(FrameContext& frame, const FrameStep& step);
+  /// From where the frame's features are sought. The whole picture shows how what is in view moved,
+  /// whatever moved it. Where that is farther than `reach_rad` from what `predicted` makes of it,
+  /// the search would miss: there the camera is turned so that it does not. As a pose this would
+  /// take a translation for a turn.
+  Rigid<float> search_from(const Rigid<float>& predicted, const FrameStep& step,
+                           float reach_rad) const;
   /// Where the camera was, turned by the gyroscope.
   Rigid<float> standing() const {
     return gyro_.predicts() ? motion_.turned(pose_, gyro_.turn().rotation) : pose_;
@@ -167,6 +173,22 @@ inline Rigid<float> CameraTrack::predict(FrameContext& frame, const FrameStep& s
   }
   if (by_gyro) return motion_.predict_turned(pose_, gyro_.turn().rotation, dt_s);
   return motion_.predict(pose_, dt_s);
+}
+
+inline Rigid<float> CameraTrack::search_from(const Rigid<float>& predicted, const FrameStep& step,
+                                             float reach_rad) const {
+  constexpr float kSigmas = 2.0F;
+  if (by_picture_ || step.gap || gyro_.predicts() || !rotation_.aligned()) return predicted;
+  const float dt_s = step.seconds();
+  const Vector3<float> moved = expected_inverse_depth() * dt_s * motion_.velocity();
+  const Vector3<float> turn =
+      rotation_.rotation() - Vector3<float>(moved.y(), -moved.x(), 0.0F);  // what it looks like
+  const Vector3<float> off = turn - motion_.rate_radps() * dt_s;
+  bool far = false;
+  for (int i = 0; i < 2; ++i) {
+    far = far || (abs(off(i)) > reach_rad && abs(off(i)) > kSigmas * rotation_.alignment_rad()(i));
+  }
+  return far ? motion_.predict_turned(pose_, turn, dt_s) : predicted;
 }
 
 inline CameraMovement CameraTrack::movement_to(const Rigid<float>& pose) const {

@@ -45,12 +45,13 @@ class HandheldRotation {
   /// rotation() and sigma_rad() then hold. `speed`: of the translation, in depths a second.
   bool seek(FrameContext& frame, const Vector3<float>& rate_radps, float speed_mps,
             float inverse_depth, float dt_s) {
+    aligned_ = false;
     if (!parameters_.used || !affordable(frame)) return false;
     const Vector3<float> expected = rate_radps * dt_s;
     ImageRotation::Result found;
-    const bool aligned = pictures_.align(frame.camera, expected, found);
+    aligned_ = pictures_.align(frame.camera, expected, found);
     frame.work.spend(work::image_rotation(found.iterations));
-    if (!aligned) return false;
+    if (!aligned_) return false;
     const float most =
         speed_mps > parameters_.hand_speed_mps ? speed_mps : parameters_.hand_speed_mps;
     const float moved = most * inverse_depth * dt_s;
@@ -61,10 +62,15 @@ class HandheldRotation {
       refuted = refuted || off > parameters_.significant * sigma_rad_(i);
     }
     rotation_ = found.rotation;
+    alignment_rad_ = parameters_.inflation * found.sigma_rad;
     return refuted;
   }
   const Vector3<float>& rotation() const { return rotation_; }
   const Vector3<float>& sigma_rad() const { return sigma_rad_; }
+  /// Whether seek() found how the picture moved, refuting or not: rotation() then holds, as that of
+  /// the picture, what a translation moves included, and is good to alignment_rad().
+  bool aligned() const { return aligned_; }
+  const Vector3<float>& alignment_rad() const { return alignment_rad_; }
 
  private:
   /// Under a tight limit the landmarks need the work: at most a quarter of what is left.
@@ -76,6 +82,8 @@ class HandheldRotation {
   ImageRotation pictures_;
   Vector3<float> rotation_ = Vector3<float>::Zero();
   Vector3<float> sigma_rad_ = Vector3<float>::Zero();
+  Vector3<float> alignment_rad_ = Vector3<float>::Zero();
+  bool aligned_ = false;
 };
 
 }  // namespace cairn

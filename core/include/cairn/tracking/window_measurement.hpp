@@ -100,6 +100,7 @@ class WindowMeasurement {
               int later);
   bool first_agree(const Scene& scene, Rigid<float>& pose);
   int first_radius(const Scene& scene) const;
+  Rigid<float> search_from(const Scene& scene, const Rigid<float>& predicted) const;
   int gather(const Scene& scene, const Rigid<float>& pose);
   WindowPoseOptions<float> options(const Scene& scene, const Rigid<float>& predicted) const;
 

@@ -37,21 +37,35 @@ void WindowMeasurement<Config>::find(const Scene& scene, const Rigid<float>& pre
                                      const Limits& limits) {
   const typename Features::Parameters& p = scene.features.parameters();
   expose(scene.track, predicted);
+  const Rigid<float> from = search_from(scene, predicted);
   const int size = scene.features.size();
   const int all = limits.features < size ? limits.features : size;
   const int first = p.first_features < all ? p.first_features : all;
   const int later = 2 * work::window_pose(kMaxFeatures) + limits.work;
   const int radius = first_radius(scene);
-  if (!search(scene, predicted, 0, first, radius, later)) return;
+  if (!search(scene, from, 0, first, radius, later)) return;
   Rigid<float> pose = predicted;
   bool agree = first_agree(scene, pose);
   if (!agree && radius < p.wide_radius_px) {
-    if (!search(scene, predicted, 0, first, p.wide_radius_px, later)) return;
+    if (!search(scene, from, 0, first, p.wide_radius_px, later)) return;
     pose = predicted;
     agree = first_agree(scene, pose);
   }
-  search(scene, agree ? pose : predicted, first, all, agree ? p.narrow_radius_px : p.wide_radius_px,
+  search(scene, agree ? pose : from, first, all, agree ? p.narrow_radius_px : p.wide_radius_px,
          later);
+}
+
+/// Where the features would be beyond three quarters of the wide windows, by the whole picture, the
+/// search begins where that shows them.
+template <class Config>
+Rigid<float> WindowMeasurement<Config>::search_from(const Scene& scene,
+                                                    const Rigid<float>& predicted) const {
+  constexpr float kReach = 0.75F;
+  const ImageView& image = scene.frame.image;
+  const int radius =
+      scene.features.parameters().wide_radius_px * shrink_factor(image.width, image.height);
+  return scene.track.search_from(predicted, scene.step,
+                                 kReach * static_cast<float>(radius) / scene.frame.camera.fx);
 }
 
 /// Radius in the shrunk image for the features that are searched first: what a gyroscope that
