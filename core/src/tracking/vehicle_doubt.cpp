@@ -6,7 +6,10 @@ namespace cairn {
 
 void VehicleDoubt::reset(const PinholeCamera<float>& camera, const Rigid<float>& T_vehicle_camera,
                          float sigma_px) {
-  mount_.reset(camera, T_vehicle_camera, sigma_px);
+  // The filter's sigma also stands for errors that last as long as their landmark, which two views
+  // of it, at most two seconds apart, share.
+  constexpr float kOfTwoViews = 0.5F;
+  mount_.reset(camera, T_vehicle_camera, kOfTwoViews * sigma_px);
   yaw_.reset(camera, T_vehicle_camera);
   unseen_yaw_ = 0.0F;
 }
