@@ -83,6 +83,11 @@ class DepthFilter {
     end(a, 1);
   }
 
+  /// Of the camera's yaw since keyframe k, rad^2.
+  float yaw_variance(int k) const {
+    const int yaw = 3 + 2 * k;
+    return P_(1, 1) - 2.0F * P_(yaw, 1) + P_(yaw, yaw);
+  }
   float variance(int slot) const { return P_(state_of(slot), state_of(slot)); }
 
   /// Innovation covariance of a residual, px^2.

@@ -59,8 +59,11 @@ class FixedSeedOdometry {
     return filter_.sigma(seed).raw() <= most;
   }
   Rigid<float> T_camera_first(const Seed& seed) const;
+  /// Not told in fixed point.
+  bool turn_since(LandmarkId, Quaternion<float>&, float&) const { return false; }
 
   void move_to(const FixedRigid& T_odometry_camera, const SeedParameters& parameters);
+  void stand_at(const FixedRigid& T_odometry_camera) { T_odometry_last_ = T_odometry_camera; }
   /// False for a camera that has no form here.
   bool look(const PinholeCamera<float>& camera, const SeedParameters& parameters, View& view) const;
 

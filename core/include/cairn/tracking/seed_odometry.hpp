@@ -57,6 +57,14 @@ class SeedOdometry {
   bool has_converged(int seed, float rho, float max_relative_sigma) const {
     return !(sigma_rho(seed) > max_relative_sigma * rho);
   }
+  /// As SeedPool::turn_since().
+  bool turn_since(LandmarkId keyframe, Quaternion<float>& now_then, float& yaw_variance) const {
+    const int slot = find_keyframe(keyframe);
+    if (slot < 0) return false;
+    now_then = T_pool_camera_.rotation.conjugate() * keyframes_[slot].T_pool_camera.rotation;
+    yaw_variance = filter_.yaw_variance(slot);
+    return true;
+  }
   Rigid<float> T_camera_first(const Seed& seed) const {
     return T_pool_camera_.inverse() * keyframes_[seed.keyframe].T_pool_camera;
   }
@@ -70,6 +78,8 @@ class SeedOdometry {
     T_odometry_last_ = T_odometry_camera;
     has_pose_ = true;
   }
+  /// The caller's estimate was corrected to this, without motion.
+  void stand_at(const Rigid<float>& T_odometry_camera) { T_odometry_last_ = T_odometry_camera; }
   /// False for a camera that has no form here.
   bool look(const PinholeCamera<float>& camera, const SeedParameters& /*parameters*/,
             View& view) const {

@@ -69,6 +69,9 @@ class SeedPool {
     odometry_.move_to(T_odometry_camera, parameters);
   }
 
+  /// The caller's estimate was corrected since follow(): no motion.
+  void stand_at(const Pose& T_odometry_camera) { odometry_.stand_at(T_odometry_camera); }
+
   /// Takes out the next seed that was seen in this frame and whose depth has converged; false when
   /// there is none. Seeds that converged outside the usable depths are dropped. Call until false.
   /// `known(keyframe)`: whether the way since a keyframe, of which depths are multiples, is known
@@ -86,6 +89,12 @@ class SeedPool {
   std::uint32_t saturations() const { return odometry_.saturations(); }
 
   bool has_keyframe(LandmarkId id) const { return odometry_.find_keyframe(id) >= 0; }
+  /// How the camera turned since a keyframe, as the pictures and the caller's estimate show it
+  /// together: directions then, in its axes of now, and the variance about its y axis, rad^2. False
+  /// where that is not told.
+  bool turn_since(LandmarkId keyframe, Quaternion<float>& now_then, float& yaw_variance) const {
+    return odometry_.turn_since(keyframe, now_then, yaw_variance);
+  }
 
   /// Forgets the keyframes of which no seed is left. Where all stay in use and `make_room` is set,
   /// also the one with the lowest id and its seeds, whose number is returned.

@@ -2,15 +2,15 @@
 
 #include "cairn/tracking/seed_motion.hpp"
 #include "cairn/tracking/seed_pool.hpp"
+#include "cairn/tracking/start_heading.hpp"
 #include "cairn/tracking/vehicle_estimate.hpp"
 #include "cairn/tracking/vehicle_frame.hpp"
 #include "cairn/tracking/vehicle_numbers.hpp"
 
 namespace cairn {
 
-/// Keeps the landmarks of a vehicle's filter: seeds that begin at corners of keyframes, landmarks
-/// made of seeds whose depth has converged, and the removal of landmarks that are not found again
-/// or occupy slots that new ones need.
+/// Keeps the landmarks of a vehicle's filter: seeds at corners of keyframes, landmarks made of
+/// those whose depth has converged, and the removal of what is not found again or in their way.
 template <class Config, class Filter>
 class VehicleLocalMap {
  public:
@@ -54,8 +54,7 @@ class VehicleLocalMap {
     supply_ = Supply{};
     keyframes_.clear();
     since_keyframe_s_ = parameters.keyframe_interval_s;
-    since_keyframe_m_ = 0.0F;
-    step_s_ = 0.0F;
+    since_keyframe_m_ = step_s_ = 0.0F;
   }
   /// `step_s`: since the frame before.
   void begin_frame(const ImageView& image, float step_s) {
@@ -110,6 +109,7 @@ class VehicleLocalMap {
   float since_keyframe_s_ = 0.0F;
   float since_keyframe_m_ = 0.0F;
   bool seeds_lost_ = false;  ///< most were not found in this frame
+  StartHeading start_heading_;
 };
 
 template <class Config, class Filter>
@@ -166,6 +166,7 @@ void VehicleLocalMap<Config, Filter>::follow(Frame& frame, Estimate& estimate,
                     seeds, frame.work.budget());
   frame.health.candidates_dropped += static_cast<std::uint32_t>(dropped);
   seeds_lost_ = 2 * seeds_.found() < followed;
+  start_heading_.template take<VehicleNumbers<Filter>>(seeds_, keyframes_, estimate);
   if (growing) add_landmarks(frame, estimate, seeds);
   end_keyframes(frame, estimate, false);
   since_keyframe_s_ += motion.step_s;
@@ -247,9 +248,8 @@ void VehicleLocalMap<Config, Filter>::add_landmarks(Frame& frame, Estimate& esti
   }
 }
 
-/// A seed's depth is relative to the baseline since its keyframe. The filter knows that baseline
-/// better than dead reckoning does, because both of its ends are in the state: the depth is scaled
-/// by the ratio of the two, and the landmark's error tied to the baseline's.
+/// A seed's depth is relative to the baseline since its keyframe. The filter, with both ends in its
+/// state, knows that better than dead reckoning does: depth and error follow from the filter's.
 template <class Config, class Filter>
 bool VehicleLocalMap<Config, Filter>::add_landmark(Frame& frame, Estimate& estimate,
                                                    const ConvergedSeed& seed) {
@@ -269,9 +269,9 @@ bool VehicleLocalMap<Config, Filter>::add_landmark(Frame& frame, Estimate& estim
   const float reckoned_length = sqrt(reckoned.dot(reckoned));
   if (!(length > kMinBaseline_m) || !(reckoned_length > kMinBaseline_m)) return false;
   const float scale = length / reckoned_length;
-  const float depth = seed.depth_m * scale;
   const Matrix3<float> noise = point_covariance(estimate, seed, scale);
   const Matrix3<float> R_vehicle_camera = T_vehicle_camera.rotation.toRotationMatrix();
+  const float depth = seed.depth_m * scale;
   const Vector3<float> offset = R_vehicle_camera * Vector3<float>(seed.ray * depth);
   const Vector3<float> direction =
       (T_world_vehicle.rotation.conjugate() * baseline) * (1.0F / length);
@@ -327,6 +327,7 @@ bool VehicleLocalMap<Config, Filter>::begin_keyframe(Frame& frame, Estimate& est
     return false;
   }
   ++estimate.next_id();
+  if (keyframes_.empty()) start_heading_.begin(estimate);
   keyframes_.push_back(id);
   since_keyframe_s_ = since_keyframe_m_ = 0.0F;
   return true;
@@ -342,6 +343,7 @@ void VehicleLocalMap<Config, Filter>::end_keyframes(Frame& frame, Estimate& esti
     if (seeds_.has_keyframe(keyframes_[i])) continue;
     static_cast<void>(filter.remove_landmark(filter.find(keyframes_[i])));
     keyframes_.remove_unordered(i);
+    if (i == 0) start_heading_.forget();
   }
 }
 
