@@ -21,7 +21,10 @@ class FixedSeedDepth : public ::testing::Test {
   static constexpr double kDepth = 3.0;
   static constexpr LandmarkId kKeyframe = 7;
 
-  void SetUp() override { lens_ = test::to_float(camera_); }
+  void SetUp() override {
+    lens_ = test::to_float(camera_);
+    parameters_.off_path = 0.01F;
+  }
 
   static FixedRigid fixed(const Rigid<float>& T) {
     std::uint32_t lost = 0;

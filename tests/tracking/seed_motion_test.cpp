@@ -9,10 +9,12 @@ namespace {
 
 struct EstimateOfATilt {
   Rigid<float> mount;
+  PinholeCamera<float> lens;
   Matrix2<float> covariance = Matrix2<float>::Zero();
   Vector2<float> noise = Vector2<float>::Zero();
 
   const Rigid<float>& T_vehicle_camera() const { return mount; }
+  const PinholeCamera<float>& camera() const { return lens; }
   Matrix2<float> tilt_covariance() const { return covariance; }
   Vector2<float> tilt_noise(float) const { return noise; }
 };
@@ -20,7 +22,10 @@ struct EstimateOfATilt {
 /// GIVEN a vehicle whose camera looks ahead (its x to the right, y down) or to the left.
 class SeedsInMotion : public ::testing::Test {
  protected:
-  SeedsInMotion() { look_ahead(); }
+  SeedsInMotion() {
+    look_ahead();
+    estimate_.lens.fx = 400.0F;
+  }
   void look_ahead() {
     Matrix3<float> R;
     R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -40,7 +45,7 @@ class SeedsInMotion : public ::testing::Test {
   EstimateOfATilt estimate_;
   SeedParameters parameters_;
   SeedNoise noise_;
-  VehicleMotion motion_{1.0F, 0.1F, 0.0F, true};
+  VehicleMotion motion_{1.0F, 0.1F, 0.0F, 0};
 };
 
 TEST_F(SeedsInMotion, OfALevelVehicleGrowWithTheRootOfTime) {
@@ -48,8 +53,24 @@ TEST_F(SeedsInMotion, OfALevelVehicleGrowWithTheRootOfTime) {
   motion_.step_s = 0.4F;
   const SeedParameters longer = seeds();
   EXPECT_NEAR(longer.sigma_pitch_rad, 2.0F * tenth.sigma_pitch_rad, 1e-6F);
-  EXPECT_NEAR(longer.sigma_yaw_rad, 2.0F * tenth.sigma_yaw_rad, 1e-6F);
   EXPECT_EQ(tenth.sigma_roll_rad, 0.0F);
+}
+
+TEST_F(SeedsInMotion, KnowTheYawFromOdometryAndInliersTogether) {
+  motion_.yaw_variance = 4e-6F;
+  EXPECT_NEAR(seeds().sigma_yaw_rad, 2.1e-3F, 1e-6F);
+  motion_.inliers = 4;
+  noise_.inlier_px = 1.68F;
+  EXPECT_NEAR(seeds().sigma_yaw_rad, 1.485e-3F, 1e-6F) << "both say it to 2.1e-3";
+  motion_.yaw_variance = 1.0F;
+  EXPECT_NEAR(seeds().sigma_yaw_rad, 2.1e-3F, 1e-6F);
+  estimate_.lens.fx = 100.0F;
+  EXPECT_NEAR(seeds().sigma_yaw_rad, 8.4e-3F, 1e-6F) << "a pixel is four times as wide";
+}
+
+TEST_F(SeedsInMotion, AllowForAPathThatIsNotKnownExactly) {
+  EXPECT_EQ(parameters_.off_path, 0.0F);
+  EXPECT_EQ(seeds().off_path, noise_.off_path);
 }
 
 TEST_F(SeedsInMotion, TakeTheVehiclesPitchAboutTheCamerasAxes) {

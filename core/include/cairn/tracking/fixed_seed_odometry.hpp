@@ -24,6 +24,7 @@ class FixedSeedOdometry {
   struct View {
     FixedCamera camera;
     FixedTangent sigma[2];  ///< of a pixel over the focal lengths
+    FixedTangent off_path;
     FixedAngle sigma_roll;
     Fixed<std::int32_t, 16> gate;
     detail::FixedMotionBetween T_camera_first[MaxKeyframes];
@@ -108,6 +109,7 @@ class FixedSeedOdometry {
     FixedPixel pixel[2];
     FixedView seen;  ///< the depth as a multiple of that at the keyframe
     typename Filter::Residual residual;
+    FixedTangent sigma[2];  ///< of a pixel over the focal lengths
   };
 
   static Rho rho_of(const Seed& seed, std::uint32_t& lost) { return fixed_of<Rho>(seed.rho, lost); }

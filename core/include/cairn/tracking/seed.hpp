@@ -39,6 +39,7 @@ struct SeedParameters {
   float sigma_yaw_rad = 0.002F;   ///< of the caller's rotation since the frame before
   float sigma_pitch_rad = 1e-4F;  ///< same, about the camera's x axis
   float sigma_roll_rad = 0.0F;    ///< of its rotation since the keyframe, about the optical axis
+  float off_path = 0.0F;          ///< error of the camera's way since a first view, of its length
   float gate = 9.21F;
   int min_views = 3;  ///< one more than a depth needs
   int max_views = 150;
@@ -47,14 +48,14 @@ struct SeedParameters {
 
   /// kBadConfig unless every value is finite and in its domain.
   Status validate() const {
-    const bool good = is_positive(initial_depth_m) && is_positive(initial_sigma_rho) &&
-                      is_positive(sigma_px) && is_positive(max_relative_sigma) &&
-                      is_positive(min_depth_m) && is_positive(depth_inflation) &&
-                      is_positive(gate) && is_finite(max_depth_m) && max_depth_m > min_depth_m &&
-                      is_finite(sigma_yaw_rad) && sigma_yaw_rad >= 0.0F &&
-                      is_finite(sigma_pitch_rad) && sigma_pitch_rad >= 0.0F &&
-                      is_finite(sigma_roll_rad) && sigma_roll_rad >= 0.0F && min_views >= 1 &&
-                      max_views >= min_views && max_misses >= 0 && ok(search.validate());
+    const bool good =
+        is_positive(initial_depth_m) && is_positive(initial_sigma_rho) && is_positive(sigma_px) &&
+        is_positive(max_relative_sigma) && is_positive(min_depth_m) &&
+        is_positive(depth_inflation) && is_positive(gate) && off_path >= 0.0F && off_path <= 1.0F &&
+        is_finite(max_depth_m) && max_depth_m > min_depth_m && is_finite(sigma_yaw_rad) &&
+        sigma_yaw_rad >= 0.0F && is_finite(sigma_pitch_rad) && sigma_pitch_rad >= 0.0F &&
+        is_finite(sigma_roll_rad) && sigma_roll_rad >= 0.0F && min_views >= 1 &&
+        max_views >= min_views && max_misses >= 0 && ok(search.validate());
     return good ? Status::kOk : Status::kBadConfig;
   }
 };

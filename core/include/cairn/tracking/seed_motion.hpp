@@ -12,7 +12,7 @@ struct VehicleMotion {
   float speed_mps = 0.0F;
   float step_s = 0.0F;        ///< since the frame before
   float yaw_variance = 0.0F;  ///< of odometry's yaw increment since then, rad^2
-  bool tracked = false;       ///< the filter corrects the yaw: it is better known than that
+  int inliers = 0;            ///< by which the filter then corrected it
   float turn_rad = 0.0F;      ///< that odometry expects of a step
 };
 
@@ -54,14 +54,16 @@ class StayingInView {
   float depth_m_;
 };
 
-/// Error of the estimate's rotation since the frame before, rad per square root of second.
+/// Errors of the estimate's motion, as the seeds take it.
 struct SeedNoise {
-  float tracked_yaw = 1.65e-3F;  ///< of the filter's yaw, while tracking
-  float pitch = 5.5e-4F;         ///< about the camera's x axis, beside the tilt's
+  float inlier_px = 1.2F;  ///< of what one inlier tells of the yaw since the frame before
+  float pitch = 5.5e-4F;   ///< about the camera's x axis, rad per root second, beside the tilt's
+  float off_path = 0.01F;  ///< SeedParameters::off_path: slip to the side, bumps
 
   /// kBadConfig unless every value is finite and in its domain.
   Status validate() const {
-    const bool good = is_positive(tracked_yaw) && is_finite(pitch) && pitch >= 0.0F;
+    const bool good = is_positive(inlier_px) && is_finite(pitch) && pitch >= 0.0F &&
+                      off_path >= 0.0F && off_path <= 1.0F;
     return good ? Status::kOk : Status::kBadConfig;
   }
 };
@@ -80,8 +82,10 @@ Vector3<float> rotation_since_last_frame(const SeedNoise& noise, const Estimate&
   const Vector2<float> step = estimate.tilt_noise(motion.step_s);
   const Matrix2<float> tilt = estimate.tilt_covariance();
   const auto least = [](float a, float b) { return a < b ? a : b; };
-  const float yaw = motion.tracked ? square(noise.tracked_yaw) * motion.step_s
-                                   : square(sqrt(motion.yaw_variance) + 1e-4F);
+  const float by_odometry = square(sqrt(motion.yaw_variance) + 1e-4F);
+  const float by_images =
+      static_cast<float>(motion.inliers) * square(estimate.camera().fx / noise.inlier_px);
+  const float yaw = by_odometry / (1.0F + by_odometry * by_images);
   return {least(step.y(), 2.0F * tilt(1, 1)), least(step.x(), 2.0F * tilt(0, 0)), yaw};
 }
 
@@ -126,6 +130,7 @@ SeedParameters seeds_in_motion(const SeedParameters& parameters, const SeedNoise
   seeds.sigma_pitch_rad = sqrt(step.x() + square(noise.pitch) * motion.step_s);
   seeds.sigma_yaw_rad = sqrt(step.y());
   seeds.sigma_roll_rad = sqrt(2.0F * tilts.z());
+  seeds.off_path = noise.off_path;
   return seeds;
 }
 

@@ -42,6 +42,7 @@ class SeedOdometry {
     Vector2<float> pixel;
     Vector3<float> p_camera;
     typename Filter::Residual residual;  ///< all but the measured pixel
+    float sigma_px = 0.0F;               ///< of the pixel, path errors included
   };
 
   void clear() {
@@ -171,6 +172,9 @@ bool SeedOdometry<MaxSeeds, MaxKeyframes>::expect(const PinholeCamera<float>& ca
   expected.residual.by_keyframe = -(jacobian * by_first_rotation.template leftCols<2>());
   expected.residual.by_depth = jacobian * T.translation;
   expected.residual.unmodelled = parameters.sigma_roll_rad * (jacobian * by_rotation.col(2));
+  expected.sigma_px =
+      sqrt(square(parameters.sigma_px) +
+           square(parameters.off_path * camera.fx * seed.rho) * T.translation.dot(T.translation));
   expected.p_camera = scaled * (1.0F / seed.rho);
   return camera.contains(expected.pixel, -kOutside_px);
 }
@@ -189,7 +193,7 @@ bool SeedOdometry<MaxSeeds, MaxKeyframes>::plan(const View& view, const SeedPara
   }
   search.prediction.pixel = expected.pixel;
   search.prediction.covariance =
-      filter_.innovation_covariance(expected.residual, parameters.sigma_px);
+      filter_.innovation_covariance(expected.residual, expected.sigma_px);
   search.prediction.p_camera = expected.p_camera;
   return true;
 }
@@ -210,7 +214,7 @@ void SeedOdometry<MaxSeeds, MaxKeyframes>::correct(const View& view,
     expected.residual.pixel = pixels[i] - expected.pixel;
     const Vector2<float> off = expected.residual.pixel - median;
     found[i] = near_median(expected.residual, off, filter_.variance(i)) &&
-               filter_.update(expected.residual, parameters.sigma_px, parameters.gate, correction);
+               filter_.update(expected.residual, expected.sigma_px, parameters.gate, correction);
   }
   apply(correction, 0.2F / parameters.max_depth_m, seeds);
 }

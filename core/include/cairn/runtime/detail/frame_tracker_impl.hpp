@@ -227,8 +227,7 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
   if (!odometry_.begun()) local_map_.drop_seeds();
   const bool growing = known || thin_map_ || monitor_.holds(measurement_.counts()) || anew;
   const VehicleMotion motion = {odometry_.speed_mps(), frame_step_s_, odometry_.yaw_variance(),
-                                monitor_.state() == TrackingState::kTracking,
-                                odometry_.turn_over(frame_step_s_)};
+                                measurement_.counts().inliers, odometry_.turn_over(frame_step_s_)};
   local_map_.follow(frame, estimate_, motion, growing);
   if (known && usable) map_reuse_.reactivate(frame, estimate_, *library);
   if (library != nullptr) frame.map.exchange.release();

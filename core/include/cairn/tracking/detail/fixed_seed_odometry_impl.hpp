@@ -47,6 +47,7 @@ bool FixedSeedOdometry<MaxSeeds, MaxKeyframes>::look(const PinholeCamera<float>&
   const auto sigma = fixed_of<FixedPixel>(parameters.sigma_px, lost_);
   view.sigma[0] = divide<FixedTangent>(sigma, view.camera.fx, lost_);
   view.sigma[1] = divide<FixedTangent>(sigma, view.camera.fy, lost_);
+  view.off_path = fixed_of<FixedTangent>(parameters.off_path, lost_);
   view.sigma_roll = fixed_of<FixedAngle>(parameters.sigma_roll_rad, lost_);
   view.gate = fixed_of<Fixed<std::int32_t, 16>>(parameters.gate, lost_);
   for (int k = 0; k < MaxKeyframes; ++k) {
@@ -64,22 +65,26 @@ bool FixedSeedOdometry<MaxSeeds, MaxKeyframes>::expect(const View& view, const S
   constexpr int kPointBits = FixedOffset::kFractionBits;
   constexpr std::int32_t kNearest = FixedOffset::nearest(0.05).raw();
   constexpr FixedPixel kOutside = FixedPixel::nearest(-40.0);
+  const auto squared = [](std::int32_t raw) {
+    return static_cast<std::uint64_t>(std::int64_t{raw} * raw);
+  };
   const Seed& seed = seeds[i];
   const detail::FixedMotionBetween& T = view.T_camera_first[seed.keyframe];
   const std::int32_t rho = rho_of(seed, lost_).raw();
   const std::int32_t ray[2] = {fixed_of<FixedTangent>(seed.first_ray.x(), lost_).raw(),
                                fixed_of<FixedTangent>(seed.first_ray.y(), lost_).raw()};
   std::int32_t point[3];
+  std::uint64_t way_squared = 0;
   for (int k = 0; k < 3; ++k) {
     // R has two bits more than a tangent.
     const std::int64_t turned = (std::int64_t{T.R.r[k][0].raw()} * ray[0] >> 2) +
                                 (std::int64_t{T.R.r[k][1].raw()} * ray[1] >> 2) +
                                 std::int64_t{T.R.r[k][2].raw()} * (1 << 26);
-    const std::int64_t moved = std::int64_t{T.t[k].raw()} * rho;
-    point[k] =
-        wide::narrow(wide::round_shift(turned, 2 * FixedTangent::kFractionBits - kPointBits) +
-                         wide::round_shift(moved, Rho::kFractionBits),
-                     lost_);
+    const std::int64_t moved =
+        wide::round_shift(std::int64_t{T.t[k].raw()} * rho, Rho::kFractionBits);
+    point[k] = wide::narrow(
+        wide::round_shift(turned, 2 * FixedTangent::kFractionBits - kPointBits) + moved, lost_);
+    way_squared += squared(wide::narrow(moved, lost_));
   }
   if (point[2] < kNearest) return false;
   const Reciprocal over_depth(point[2]);
@@ -94,7 +99,14 @@ bool FixedSeedOdometry<MaxSeeds, MaxKeyframes>::expect(const View& view, const S
   if (a > kWidest || b > kWidest || -a > kWidest || -b > kWidest) return false;
   detail::FixedProjection& projection = expected.seen.projection;
   if (!detail::project_ray(view.camera, a, b, projection, lost_)) return false;
-  for (int r = 0; r < 2; ++r) expected.pixel[r] = projection.pixel[r];
+  const std::int64_t off =
+      wide::round_shift(std::int64_t{integer_sqrt(way_squared)} * view.off_path.raw(), kPointBits);
+  const std::uint64_t off_squared = squared(wide::narrow(off, lost_));
+  for (int r = 0; r < 2; ++r) {
+    expected.pixel[r] = projection.pixel[r];
+    const std::uint32_t sigma = integer_sqrt(squared(view.sigma[r].raw()) + off_squared);
+    expected.sigma[r] = FixedTangent::from_raw(wide::narrow(sigma, lost_));
+  }
   expected.seen.depth = point[2];
 
   typename Filter::Residual& residual = expected.residual;
@@ -154,7 +166,7 @@ bool FixedSeedOdometry<MaxSeeds, MaxKeyframes>::plan(const View& view,
     return false;
   }
   const typename Filter::Innovation s =
-      filter_.innovation_covariance(expected.residual, view.sigma);
+      filter_.innovation_covariance(expected.residual, expected.sigma);
   const std::int32_t f[2] = {view.camera.fx.raw(), view.camera.fy.raw()};
   const auto pixels_squared = [&](std::int64_t value, int r, int c) {
     // From the rows' scales, times the focal lengths.
@@ -202,7 +214,7 @@ void FixedSeedOdometry<MaxSeeds, MaxKeyframes>::correct(const View& view,
       expected.residual.pixel[r] = divide<FixedTangent>(away[r], f, lost_);
     }
     found[i] = near_median(view, expected, away, median) &&
-               filter_.update(expected.residual, view.sigma, view.gate, correction);
+               filter_.update(expected.residual, expected.sigma, view.gate, correction);
   }
   apply(correction, parameters, seeds);
 }
