@@ -106,7 +106,8 @@ Status FrameTracker<Config, Filter>::predict(std::int64_t t_us) {
   frame_step_s_ = step.seconds();
   monitor_.begin_frame(step.seconds_of_a_frame());
   static_cast<void>(estimate_.filter().predict_tilt(frame_step_s_));
-  PictureDrift().add_to(estimate_.filter(), abs(odometry_.speed_mps()) * frame_step_s_);
+  PictureDrift().add_to(estimate_.filter(), abs(odometry_.speed_mps()) * frame_step_s_, camera().fx,
+                        measurement_.counts().inliers);
   monitor_.note_blind_frames(step.missed);
   if (!step.gap) return status;
   local_map_.drop_seeds();
