@@ -7,24 +7,10 @@
 
 #include "cairn/numeric/fixed_math.hpp"
 
+#include "any_integer.hpp"
+
 namespace cairn {
 namespace {
-
-__extension__ using Int128 = __int128;
-
-/// Any operand, of every size alike, the extremes among them.
-rc::Gen<std::int64_t> operand() {
-  return rc::gen::map(rc::gen::pair(rc::gen::arbitrary<std::uint64_t>(), rc::gen::inRange(0, 66)),
-                      [](const std::pair<std::uint64_t, int>& drawn) {
-                        if (drawn.second == 64) return INT64_MAX;
-                        if (drawn.second == 65) return INT64_MIN;
-                        return static_cast<std::int64_t>(drawn.first) >> drawn.second;
-                      });
-}
-
-Int128 magnitude128(Int128 value) {
-  return value < 0 ? -value : value;
-}
 
 /// What is expected of a result whose exact magnitude, rounded, is `rounded`.
 void expect_saturated(std::int64_t result, bool negative, Int128 rounded, bool fits,
