@@ -57,11 +57,16 @@ CsvReader::CsvReader(const std::filesystem::path& path) : lines_(path) {
   }
   choose_separator(row_.text);
   fields_ = split(row_.text, row_.number);
-  if (std::all_of(fields_.begin(), fields_.end(), is_number)) {
-    const std::vector<std::string> names = split(lines_.comment(), row_.number);
-    if (names.size() != fields_.size() || std::any_of(names.begin(), names.end(), is_number)) {
-      throw InputError(path, row_.number, "expected a header line with names, found numbers");
-    }
+  std::vector<std::string> names;
+  if (std::any_of(fields_.begin(), fields_.end(), is_number)) {
+    names = split(lines_.comment(), row_.number);
+  }
+  const bool named_above =
+      names.size() == fields_.size() && std::none_of(names.begin(), names.end(), is_number);
+  if (!named_above && std::all_of(fields_.begin(), fields_.end(), is_number)) {
+    throw InputError(path, row_.number, "expected a header line with names, found numbers");
+  }
+  if (named_above) {
     first_row_is_read_ = true;
     for (const std::string& name : names) header_.push_back(normalised(name));
     return;

@@ -185,7 +185,9 @@ class VideoSource final : public FrameSource {
         info_.damaged = true;
       }
     }
-    if (!truth_.empty() && frames_with_truth_ < 2 && given_ > 1) {
+    constexpr int kLeastPoses = 3;  // that a path is aligned with
+    const int least = std::min(given_, std::max(kLeastPoses, given_ / 10));
+    if (!truth_.empty() && frames_with_truth_ < least) {
       info_.warnings.push_back(fmt::format("{}: {} of {} frames have a true pose within {} ms",
                                            options_.truth.string(), frames_with_truth_, given_,
                                            kTruthTolerance_us / 1000));

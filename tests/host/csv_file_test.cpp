@@ -52,6 +52,10 @@ TEST(CsvReader, NamesLineColumnAndExpectation) {
   EXPECT_TRUE(says(read("a,b\n\"1,2\n3,4\n"), {"a.csv:2", "closing quote"}));
   EXPECT_TRUE(says(read("a,b\n\"1\"2,3\n"), {"a.csv:2", "behind a closing quote"}));
   EXPECT_TRUE(says(read("1,2\n3,4\n"), {"a.csv:1", "header", "found numbers"}));
+  const std::vector<std::string> above = {"timestamp_[ns]", "filename"};
+  EXPECT_EQ(CsvReader(folder.write("a.csv", "#timestamp [ns],filename\n5,5.png\n")).header(),
+            above);
+  EXPECT_EQ(read("# a \"note\na,b\n1,2\n"), "no error");
   EXPECT_TRUE(says(read(""), {"a.csv", "header", "empty file"}));
   EXPECT_TRUE(says(read(std::string("\xFF\xFEt\0_\0", 6)), {"a.csv", "UTF-16"}));
   EXPECT_TRUE(says(read(std::string("a,b\n1,\0", 7)), {"a.csv:2", "zero byte"}));

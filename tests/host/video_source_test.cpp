@@ -230,6 +230,10 @@ TEST(VideoSource, TruthBesideTheFramesIsSaid) {
   options.truth = folder.write("truth.tum", "0.05 0 0 1 0 0 0 1\n0.15 0 0 1 0 0 0 1\n");
   const Ran ran = run(options);
   EXPECT_TRUE(says(ran.info.warnings.at(0), {"truth.tum", "0 of 3 frames", "20 ms"}));
+  // Frame numbers in place of times meet the first frame alone.
+  options.truth = folder.write("truth.tum", "0 0 0 1 0 0 0 1\n1 0 0 1 0 0 0 1\n2 0 0 1 0 0 0 1\n");
+  const Ran numbers = run(options);
+  EXPECT_TRUE(says(numbers.info.warnings.at(0), {"truth.tum", "1 of 3 frames"}));
 }
 
 TEST(VideoSource, TimesInAnotherUnitAreRefused) {
