@@ -87,8 +87,10 @@ void MountEvidence::solve() {
     offset_.sigma[i] = sigma;
     moved = moved || abs(offset_.value[i] - linearised_[i]) > kRelinearise + sigma;
     const float size = abs(value);
-    offset_.suspect[i] = rows_ >= kLeastRows && size > kSureInSigmas[i] * sigma &&
-                         size - kBoundInSigmas * sigma > kTolerance[i];
+    const bool sure =
+        size > kSureInSigmas[i] * sigma && size - kBoundInSigmas * sigma > kTolerance[i];
+    const bool still = offset_.suspect[i] && size > kTolerance[i];
+    offset_.suspect[i] = rows_ >= kLeastRows && (sure || still);
   }
   if (moved) relinearise();
 }
