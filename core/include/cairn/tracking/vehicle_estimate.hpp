@@ -7,6 +7,7 @@
 #include "cairn/tracking/ground_check.hpp"
 #include "cairn/tracking/landmark_measurement.hpp"
 #include "cairn/tracking/planar_pose_search.hpp"
+#include "cairn/tracking/vehicle_numbers.hpp"
 
 namespace cairn {
 
@@ -67,7 +68,10 @@ class VehicleEstimate {
     if (!filter_.tilts()) return T_vehicle_camera_;
     return filter_.tilt().T_level_vehicle() * T_vehicle_camera_;
   }
-  Rigid<float> T_world_camera() const { return T_world_vehicle() * T_level_camera(); }
+  Rigid<float> T_world_camera() const {
+    using Numbers = VehicleNumbers<Filter>;
+    return Numbers::to_float(Numbers::T_world_camera(*this));
+  }
   /// Covariance of the body's (pitch, roll), rad^2; zero for one that does not tilt.
   Matrix2<float> tilt_covariance() const { return filter_.tilt_covariance(); }
   /// Of the larger of the two, rad.

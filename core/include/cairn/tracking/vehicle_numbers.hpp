@@ -21,8 +21,9 @@ struct VehicleNumbers {
 
   template <class Estimate>
   static Rigid<float> T_world_camera(const Estimate& estimate) {
-    return estimate.T_world_camera();
+    return estimate.T_world_vehicle() * estimate.T_level_camera();
   }
+  static Rigid<float> to_float(const Rigid<float>& pose) { return pose; }
   template <class Seeds>
   static std::uint32_t saturations(const Filter&, const Seeds&) {
     return 0;
@@ -40,6 +41,7 @@ struct VehicleNumbers<FixedVehicleSlam<MaxLandmarks>> {
   static FixedRigid T_world_camera(const Estimate& estimate) {
     return estimate.filter().T_world_camera(estimate.T_vehicle_camera());
   }
+  static Rigid<float> to_float(const FixedRigid& pose) { return float_of(pose); }
   template <class Seeds>
   static std::uint32_t saturations(const FixedVehicleSlam<MaxLandmarks>& filter,
                                    const Seeds& seeds) {
