@@ -23,6 +23,7 @@ std::string kind_of_folder(const fs::path& folder) {
   if (fs::is_directory(folder / "mav0") || fs::exists(folder / "cam0" / "data.csv")) return "euroc";
   if (fs::exists(folder / "rgb.txt")) return "tum-rgbd";
   if (fs::is_directory(folder / "oxts") || fs::is_directory(folder / "image_0")) return "kitti";
+  if (fs::is_directory(folder / "image_2") && fs::exists(folder / "calib.txt")) return "kitti";
   if (fs::exists(folder / "cMo_grid.csv")) return "tag-board";
   return is_seven_scenes(folder) ? "seven-scenes" : "video";
 }

@@ -133,6 +133,16 @@ fs::path first_that_exists(std::initializer_list<fs::path> paths) {
   return {};
 }
 
+/// A folder in `folder` that has mav0: archives hold one.
+fs::path recording_below(const fs::path& folder) {
+  fs::path found;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (!fs::is_directory(entry.path() / "mav0")) continue;
+    if (found.empty() || entry.path() < found) found = entry.path();
+  }
+  return found;
+}
+
 /// The camera, and its place on the body from its file or the data set's own.
 CameraFile read_camera(const fs::path& mav, const fs::path& camera_file, LensCheck lens,
                        SourceInfo& info) {
@@ -161,8 +171,11 @@ std::unique_ptr<FrameSource> make_euroc_source(const fs::path& folder, const fs:
   require_folder(folder, "a folder with mav0/cam0");
   const fs::path mav = fs::is_directory(folder / "mav0") ? folder / "mav0" : folder;
   if (!fs::is_directory(mav / "cam0")) {
+    const fs::path below = recording_below(folder);
     throw InputError(folder,
-                     "expected a folder with mav0/cam0, as EuRoC and TUM-VI are downloaded");
+                     fmt::format("expected a folder with mav0/cam0, as EuRoC and TUM-VI are "
+                                 "downloaded{}",
+                                 below.empty() ? "" : "; " + below.string() + " is one"));
   }
   const fs::path list = mav / "cam0" / "data.csv";
   require_file(list, "the list of pictures");

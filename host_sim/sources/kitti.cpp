@@ -164,6 +164,11 @@ std::vector<std::int64_t> read_times(const fs::path& path) {
 std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const FrameRange& range,
                                                std::uint64_t seed) {
   require_folder(folder, "a folder with image_l or image_0, calib.txt and poses.txt");
+  if (fs::is_directory(folder / "sequences")) {
+    throw InputError(folder,
+                     fmt::format("expected one sequence, such as {}, found the folder of all",
+                                 (folder / "sequences" / "00").string()));
+  }
   const auto [images, index] = pictures_of(folder);
   const std::vector<NumberedFile> files = list_numbered_files(images, "", {".png", ".jpg"});
   SourceInfo info;

@@ -69,6 +69,13 @@ TEST(Euroc, TimesCameraAndTheCamerasTruePoses) {
 }
 
 /// WHEN the header names the columns in another order, THEN they are read by their names.
+TEST(Euroc, TheRecordingBelowIsNamed) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder.path() / "dataset-room1_512_16" / "mav0" / "cam0");
+  EXPECT_TRUE(says(message_of([&] { make_euroc_source(folder.path(), {}, {}); }),
+                   {"mav0/cam0", "dataset-room1_512_16 is one"}));
+}
+
 TEST(Euroc, TruePosesAreReadByTheHeader) {
   const TemporaryFolder folder;
   write_euroc(folder, "state_groundtruth_estimate0");

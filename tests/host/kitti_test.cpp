@@ -41,6 +41,8 @@ TEST(Kitti, PublicLayoutHasItsPosesBesideTheSequences) {
     ASSERT_EQ(frames[2].odometry.size(), 1U);
     EXPECT_NEAR(frames[2].odometry[0].speed_mps, 1.0 / 0.103736, 0.5);
   }
+  EXPECT_TRUE(says(message_of([&] { make_kitti_source(folder.path() / "dataset", {}, 1); }),
+                   {"dataset", "one sequence", "sequences/00"}));
   // Without true poses, as the sequences of the benchmark are.
   fs::remove(folder.path() / "dataset/poses/00.txt");
   const auto source = make_kitti_source(folder.path() / sequence, {}, 1);
