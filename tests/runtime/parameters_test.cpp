@@ -81,6 +81,10 @@ TEST_F(ParametersOfAVehicle, OfOdometryAndCameraArePossible) {
   EXPECT_TRUE(refuses([](Parameters& p) { p.sigma_px = kInf; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.floor.gate = -1.0F; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.filter.gate = kNaN; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.filter.gate = kInf; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.filter.rest_sigmas = kInf; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.filter.ransac.min_inlier_share = kNaN; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.filter.ransac.min_inlier_share = 1.5F; }));
 }
 
 TEST_F(ParametersOfAVehicle, OfItsPartsArePossible) {
@@ -89,6 +93,7 @@ TEST_F(ParametersOfAVehicle, OfItsPartsArePossible) {
   EXPECT_TRUE(refuses([](Parameters& p) { p.measurement.max_searches = -1; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.monitor.min_match_ratio = kNaN; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.monitor.min_inliers = 0; }));
+  EXPECT_TRUE(refuses([](Parameters& p) { p.monitor.uncertain_s_to_lost = kInf; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.local_map.supply.min_distance_share = 1.5F; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.local_map.seeds.sigma_px = 0.0F; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.map_reuse.archive.mature_sightings = 0; }));
@@ -96,6 +101,16 @@ TEST_F(ParametersOfAVehicle, OfItsPartsArePossible) {
   EXPECT_TRUE(
       refuses([](Parameters& p) { p.map_reuse.relocalisation.engine.samples_per_step = 0; }));
   EXPECT_TRUE(refuses([](Parameters& p) { p.map_reuse.library_slots_per_frame = -1; }));
+  for (const float bad : {kNaN, kInf, 0.0F}) {
+    EXPECT_TRUE(refuses([bad](Parameters& p) {
+      p.map_reuse.relocalisation.engine.ransac.refinement.huber_sigma = bad;
+    }));
+    EXPECT_TRUE(refuses([bad](Parameters& p) {
+      p.map_reuse.relocalisation.engine.ransac.refinement.inlier_gate = bad;
+    }));
+  }
+  EXPECT_TRUE(refuses(
+      [](Parameters& p) { p.map_reuse.relocalisation.engine.ransac.ambiguity_share = kInf; }));
 }
 
 TEST_F(ParametersOfAVehicle, OfWorkAndTimeArePossible) {
@@ -135,6 +150,8 @@ TEST(ParametersOfAHandheldTracker, ArePossible) {
   EXPECT_TRUE(tracker.refuses([](auto& p) { p.local_map.target_features = 0; }));
   EXPECT_TRUE(tracker.refuses([](auto& p) { p.max_step_us = 0; }));
   EXPECT_TRUE(tracker.refuses([](auto& p) { p.filter.sigma_px = 0.0F; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.filter.ransac.min_inlier_share = kNaN; }));
+  EXPECT_TRUE(tracker.refuses([](auto& p) { p.filter.enough_inlier_share = kInf; }));
 }
 
 TEST(ParametersOfAWindow, ArePossible) {

@@ -23,11 +23,13 @@ struct PoseRansacOptions {
   T ambiguity_share = T(0.8);
   PoseRefinementOptions<T> refinement;  ///< its min_inliers, prior and use_only are not used
 
-  /// Whether every value is finite and in its domain, but for those of `refinement`.
+  /// Whether every value is finite and in its domain; of `refinement` those that are used.
   bool valid() const {
     return max_hypotheses >= 1 && confidence > T(0) && confidence < T(1) &&
            is_positive(static_cast<float>(inlier_px)) && min_inliers >= 3 &&
-           ambiguity_share >= T(0);
+           ambiguity_share >= T(0) && refinement.huber_sigma > T(0) &&
+           refinement.inlier_gate > T(0) &&
+           is_finite(ambiguity_share + refinement.huber_sigma + refinement.inlier_gate);
   }
 };
 

@@ -107,8 +107,9 @@ struct MonoParameters {
     const bool good =
         fading_factor >= T(1) && adaptive_max_factor >= T(1) && adaptive_memory < T(1) &&
         focal_sigma < T(0.5) && ransac.max_hypotheses >= 1 && ransac.min_inliers >= 1 &&
-        ransac.probability > 0.0F && ransac.probability < 1.0F && max_conversions_per_update >= 0 &&
-        max_triples >= 0 && enough_inlier_share >= T(0);
+        ransac.probability > 0.0F && ransac.probability < 1.0F && ransac.min_inlier_share >= 0.0F &&
+        ransac.min_inlier_share <= 1.0F && max_conversions_per_update >= 0 && max_triples >= 0 &&
+        is_finite(enough_inlier_share) && enough_inlier_share >= T(0);
     return good ? Status::kOk : Status::kBadConfig;
   }
 };

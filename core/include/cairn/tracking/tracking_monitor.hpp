@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cairn/base/health.hpp"
+#include "cairn/numeric/math.hpp"
 #include "cairn/tracking/frame_report.hpp"
 
 namespace cairn {
@@ -33,10 +34,11 @@ class TrackingMonitor {
     /// kBadConfig unless every value is finite and in its domain.
     Status validate() const {
       const bool good =
-          min_inliers >= 1 && uncertain_s_to_lost >= 0.0F && min_return_matches >= 0 &&
-          probation_frames >= 0 && min_match_ratio >= 0.0F && min_match_ratio <= 1.0F &&
-          min_mean_ratio >= 0.0F && min_mean_ratio <= 1.0F && min_return_ratio >= 0.0F &&
-          min_return_ratio <= 1.0F && min_place_ratio >= 0.0F && min_place_ratio <= 1.0F;
+          min_inliers >= 1 && is_finite(uncertain_s_to_lost) && uncertain_s_to_lost >= 0.0F &&
+          min_return_matches >= 0 && probation_frames >= 0 && min_match_ratio >= 0.0F &&
+          min_match_ratio <= 1.0F && min_mean_ratio >= 0.0F && min_mean_ratio <= 1.0F &&
+          min_return_ratio >= 0.0F && min_return_ratio <= 1.0F && min_place_ratio >= 0.0F &&
+          min_place_ratio <= 1.0F;
       return good ? Status::kOk : Status::kBadConfig;
     }
   };

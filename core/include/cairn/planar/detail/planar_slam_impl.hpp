@@ -47,7 +47,10 @@ Status PlanarSlam<ErrorModel>::check_start(const PlanarPose<T>& pose, const Matr
       p.reacquire_steps <= 20 && p.reacquire_position_m >= T(0) &&
       p.reacquire_heading_rad >= T(0) && p.reacquire_landmark_m >= T(0) && p.replace_after >= 0 &&
       p.rest_sigmas >= T(0) && p.tilt.valid() && (kTilts || !p.tilt.tilts()) &&
-      p.ransac.max_hypotheses >= 1 && p.ransac.probability > 0.0F && p.ransac.probability < 1.0F;
+      is_finite(p.gate + p.ransac_threshold + p.rescue_gate + p.reacquire_position_m +
+                p.reacquire_heading_rad + p.reacquire_landmark_m + p.rest_sigmas) &&
+      p.ransac.max_hypotheses >= 1 && p.ransac.probability > 0.0F && p.ransac.probability < 1.0F &&
+      p.ransac.min_inlier_share >= 0.0F && p.ransac.min_inlier_share <= 1.0F;
   return sane ? Status::kOk : Status::kBadConfig;
 }
 
