@@ -69,8 +69,11 @@ class VehicleEstimate {
     return filter_.tilt().T_level_vehicle() * T_vehicle_camera_;
   }
   Rigid<float> T_world_camera() const {
-    using Numbers = VehicleNumbers<Filter>;
-    return Numbers::to_float(Numbers::T_world_camera(*this));
+    if constexpr (VehicleNumbers<Filter>::kIntegers) {
+      return float_of(VehicleNumbers<Filter>::T_world_camera(*this));
+    } else {
+      return T_world_vehicle() * T_level_camera();
+    }
   }
   /// Covariance of the body's (pitch, roll), rad^2; zero for one that does not tilt.
   Matrix2<float> tilt_covariance() const { return filter_.tilt_covariance(); }

@@ -14,6 +14,7 @@ class FixedVehicleSlam;
 /// `Estimate`: VehicleEstimate<Filter>.
 template <class Filter>
 struct VehicleNumbers {
+  static constexpr bool kIntegers = false;
   template <int MaxSeeds, int MaxKeyframes>
   using SeedOdometry = cairn::SeedOdometry<MaxSeeds, MaxKeyframes>;
   using LandmarkViews = cairn::LandmarkViews<float>;
@@ -21,9 +22,8 @@ struct VehicleNumbers {
 
   template <class Estimate>
   static Rigid<float> T_world_camera(const Estimate& estimate) {
-    return estimate.T_world_vehicle() * estimate.T_level_camera();
+    return estimate.T_world_camera();
   }
-  static Rigid<float> to_float(const Rigid<float>& pose) { return pose; }
   template <class Seeds>
   static std::uint32_t saturations(const Filter&, const Seeds&) {
     return 0;
@@ -32,6 +32,7 @@ struct VehicleNumbers {
 
 template <int MaxLandmarks>
 struct VehicleNumbers<FixedVehicleSlam<MaxLandmarks>> {
+  static constexpr bool kIntegers = true;
   template <int MaxSeeds, int MaxKeyframes>
   using SeedOdometry = FixedSeedOdometry<MaxSeeds, MaxKeyframes>;
   using LandmarkViews = FixedLandmarkViews;
@@ -41,7 +42,6 @@ struct VehicleNumbers<FixedVehicleSlam<MaxLandmarks>> {
   static FixedRigid T_world_camera(const Estimate& estimate) {
     return estimate.filter().T_world_camera(estimate.T_vehicle_camera());
   }
-  static Rigid<float> to_float(const FixedRigid& pose) { return float_of(pose); }
   template <class Seeds>
   static std::uint32_t saturations(const FixedVehicleSlam<MaxLandmarks>& filter,
                                    const Seeds& seeds) {
