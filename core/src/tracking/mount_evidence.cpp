@@ -75,7 +75,7 @@ void MountEvidence::solve() {
     for (int k = 0; k < kParts; ++k) information(i, k) = information_[i][k];
     information(i, i) += 1.0F / square(kPriorSigma);
   }
-  Matrix<float, kParts, kParts> covariance;
+  Matrix<float, kParts, kParts> covariance = Matrix<float, kParts, kParts>::Zero();
   if (!detail::invert_spd(information, detail::min_regular_pivot<float>(), covariance)) return;
   bool moved = false;
   const float spread = rows_ > 0.0F && squares_ > rows_ ? sqrt(squares_ / rows_) : 1.0F;
