@@ -12,7 +12,7 @@ class VehicleWithoutSight : public test::VehicleByAWall {
  protected:
   static constexpr int kDriven = 60;
   static constexpr int kBlind = 30;
-  static constexpr float kFalseTurn = 0.2F;  // rad/s: 0.2 rad, or 50 px, while blind
+  static constexpr float kFalseTurn = 0.3F;  // rad/s: 0.3 rad, or 75 px, while blind
 
   VehicleWithoutSight() : VehicleByAWall(0.02F, 0.6F) {
     for (int k = 0; k < kDriven; ++k) step(picture(k), kStep);

@@ -32,7 +32,7 @@ class MountCheck {
 
   /// The matches of one frame of the camera given to reset(), whether the filter agrees with them
   /// or not. Looks at the first kMostViews that the reference has too. Cost on a Cortex-M7: some
-  /// 20,000 instructions, and 120,000 more in the frames that become the reference.
+  /// 25,000 instructions, and 200,000 more in the frames that become the reference.
   void add(const PinholeCamera<float>& camera, const OdometryStep& step,
            const PixelMatch<float>* matches, int count);
 

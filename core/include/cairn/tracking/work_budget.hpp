@@ -82,7 +82,7 @@ inline int height_update(int states) {
   return 8 + states / 8 + states * states / 90;
 }
 
-inline constexpr int kMountCheck = 150;            ///< MountCheck::add()
+inline constexpr int kMountCheck = 230;            ///< MountCheck::add()
 inline constexpr int kRefinement = 400;            ///< refine_pose() with 24 points, 8 iterations
 inline constexpr int kMonoFrame = 120;             ///< MonoEkf's prediction, plan, reports
 inline constexpr int kFeatureInitialisation = 40;  ///< MonoEkf::add_feature()
