@@ -98,6 +98,24 @@ TYPED_TEST(PlanarLimits, OdometryOfWhichNothingIsKnownStaysFinite) {
   }
 }
 
+/// The path from where the vehicle stood is a difference of large variances.
+TYPED_TEST(PlanarLimits, ALandmarkSeenOnAPathFromAPlaceOfWhichNothingIsKnownStaysSound) {
+  using T = typename TypeParam::Scalar;
+  constexpr LandmarkId kThen = 5;
+  ASSERT_TRUE(ok(this->filter().widen_pose(T(1e10), T(1e4))));
+  ASSERT_TRUE(ok(this->filter().add_position(kThen)));
+  Matrix<T, 3, 2> by_path;
+  by_path << T(1.3), T(-0.7), T(0.4), T(1.9), T(-1.6), T(1.1);
+  for (int k = 0; k < 20; ++k) {
+    ASSERT_TRUE(ok(this->filter().predict(
+        twist_increment(T(1), T(0.5), T(0.1), T(0.1), T(0.1), IncrementModel::kExactArc))));
+    ASSERT_TRUE(ok(this->filter().add_landmark_on_path(
+        LandmarkId(6), this->place(2), T(1e-3) * Matrix3<T>::Identity(), kThen, by_path)));
+    this->expect_sound();
+    ASSERT_TRUE(ok(this->filter().remove_landmark(this->filter().find(LandmarkId(6)))));
+  }
+}
+
 TYPED_TEST(PlanarLimits, VariancesThatNoFilterReckonsWithAreRefused) {
   using T = typename TypeParam::Scalar;
   const std::uint64_t before = this->hash();

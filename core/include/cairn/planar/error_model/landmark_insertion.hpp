@@ -37,7 +37,8 @@ void append_error_rows(PackedSymmetric<T, Capacity>& P, const ErrorRows<T, Rows>
     for (int j = 0; j <= i; ++j) {
       T sum = noise(i, j);
       for (int k = 0; k < rows.count[j]; ++k) sum += rows.weight[j][k] * row[rows.index[j][k]];
-      row[first + j] = sum;
+      // What the other states add is not below 0, but by rounding where large variances cancel.
+      row[first + j] = i == j && sum < noise(i, i) ? noise(i, i) : sum;
     }
   }
 }

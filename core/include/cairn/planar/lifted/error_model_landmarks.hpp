@@ -113,10 +113,19 @@ void LiftedErrorModel<T, MaxLandmarks, LandmarkDim>::append_landmark_on_path(
     const Matrix<T, LandmarkDim, 2>& by_path) {
   RelativeCovariance<T> path;
   relative_covariance(past, path);
-  Matrix2<T> covariance;
-  covariance << path.s[0], path.s[1], path.s[1], path.s[2];
-  const Matrix<T, LandmarkDim, 2> half = by_path * covariance;
-  append_landmark(y, LandmarkMatrix(R + half * by_path.transpose()));
+  // The path's covariance is a difference, of variances up to 1e10 m^2: what comes out indefinite
+  // by rounding counts as the nearest that is not. Its factor leaves no variance below 0.
+  const T xx = path.s[0] > T(0) ? path.s[0] : T(0);
+  const T yy = path.s[2] > T(0) ? path.s[2] : T(0);
+  const T most = sqrt(xx) * sqrt(yy);
+  const T xy = clamp(path.s[1], -most, most);
+  Matrix2<T> factor = Matrix2<T>::Zero();
+  factor(0, 0) = sqrt(xx);
+  factor(1, 0) = xx > T(0) ? xy / factor(0, 0) : T(0);
+  const T rest = yy - square(factor(1, 0));
+  factor(1, 1) = rest > T(0) ? sqrt(rest) : T(0);
+  const Matrix<T, LandmarkDim, 2> half = by_path * factor;
+  append_landmark(y, LandmarkMatrix(R + half * half.transpose()));
 }
 
 template <class T, int MaxLandmarks, int LandmarkDim>
