@@ -92,6 +92,14 @@ TEST_F(HeadingOfAStart, IsTheOdometrysWhereThatIsNearlyAsGood) {
   EXPECT_NEAR(taken(), 0.45F, 1e-5F);
 }
 
+/// By more than three of odometry's standard deviations: one of the two is wrong.
+TEST_F(HeadingOfAStart, IsTheOdometrysWhereThePicturesContradictIt) {
+  const Quaternion<float> far = rotation_exp(Vector3<float>(0.0F, 0.0F, 0.12F));
+  const Quaternion<float>& mount = estimate_.mount.rotation;
+  seeds_.now_then = mount.conjugate() * far.conjugate() * mount;
+  EXPECT_NEAR(taken(), 0.45F, 1e-5F);
+}
+
 TEST_F(HeadingOfAStart, IsTheFiltersOnceThereIsALandmark) {
   TrackedLandmark landmark;
   landmark.id = 9;

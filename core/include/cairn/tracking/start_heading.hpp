@@ -9,7 +9,7 @@ namespace cairn {
 
 /// Until a map has its first landmark, odometry alone turns the vehicle, and what it errs by then
 /// stays in the heading. Seeds have seen the turn meanwhile: theirs is taken where they are far
-/// surer of it.
+/// surer of it and do not contradict odometry.
 class StartHeading {
  public:
   /// At the first keyframe, if the map has no landmark yet. `Estimate`: VehicleEstimate.
@@ -37,6 +37,7 @@ void StartHeading::take(Seeds& seeds, const Keyframes& keyframes, Estimate& esti
   // some of their sigmas: ten times surer leaves odometry where it is nearly as good.
   constexpr float kSurer = 100.0F;  // of variances
   constexpr float kHonest = 4.0F;
+  constexpr float kContradiction = 9.0F;  // of variances: one of the two is wrong
   constexpr float kAnywhere_m2 = 1e6F;
   if (then_rad_ == kUnknown || keyframes.empty()) return;
   if (estimate.landmarks().size() > 0) return forget();
@@ -51,7 +52,10 @@ void StartHeading::take(Seeds& seeds, const Keyframes& keyframes, Estimate& esti
   const Vector3<float> ahead = mount.conjugate() * Vector3<float>::UnitX();
   const Vector3<float> ahead_then = mount * (now_then * ahead);
   PlanarPose<float> pose = filter.mean_pose();
-  pose.heading = wrap_angle(then_rad_ - atan2(ahead_then.y(), ahead_then.x()));
+  const float heading = wrap_angle(then_rad_ - atan2(ahead_then.y(), ahead_then.x()));
+  const float turned = wrap_angle(heading - pose.heading);
+  if (square(turned) > kContradiction * filter.own_pose_covariance()(2, 2)) return;
+  pose.heading = heading;
   static_cast<void>(filter.place(pose, kAnywhere_m2, kHonest * variance));
   seeds.stand_at(Numbers::T_world_camera(estimate));
 }
