@@ -3,6 +3,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 
@@ -16,10 +17,12 @@ def emulator_of(build):
             break
     else:
         return []
-    script = build / "emulator.cmake"
-    script.write_text(f'include("{toolchain}")\nexecute_process(COMMAND ${{CMAKE_COMMAND}} -E echo '
-                      '"${CMAKE_CROSSCOMPILING_EMULATOR}")\n')
-    text = subprocess.run(["cmake", "-P", script], capture_output=True, text=True, check=True).stdout
+    # A file of its own: tests ask at the same time.
+    with tempfile.NamedTemporaryFile("w", suffix=".cmake") as script:
+        script.write(f'include("{toolchain}")\nexecute_process(COMMAND ${{CMAKE_COMMAND}} -E echo '
+                     '"${CMAKE_CROSSCOMPILING_EMULATOR}")\n')
+        script.flush()
+        text = subprocess.run(["cmake", "-P", script.name], capture_output=True, text=True, check=True).stdout
     return [part for part in text.strip().split(";") if part]
 
 
