@@ -45,7 +45,7 @@ class HandheldTracker {
   using Library = typename MapReuse::Library;
 
   /// Landmarks are found by their patches, and a pixel's standard deviation is 0.7
-  /// (docs/results/handheld.md has the comparison).
+  /// (docs/results/handheld-mono.md has the comparison).
   struct Parameters {
     Parameters() {
       measurement.search.method = SearchMethod::kPatch;

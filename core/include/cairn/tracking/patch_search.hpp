@@ -56,7 +56,7 @@ int patch_search_work(const PixelPrediction<float>& prediction,
 /// warped patch: every second pixel of every second row by half of the patch's rows, then all
 /// neighbours of the best by all of them, then sub-pixel alignment (align_patch). It needs no
 /// corner at the feature, and finds a quarter more of them than descriptors at FAST corners
-/// (docs/results/handheld.md).
+/// (docs/results/handheld-mono.md).
 ///
 /// kSingular: the covariance is not positive definite; kDegenerate: the warp cannot be inverted or
 /// the patch has no texture; kNotFound; `pixel` untouched on each. Integers but for the ellipse.
