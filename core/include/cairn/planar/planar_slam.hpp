@@ -80,8 +80,8 @@ class PlanarSlam {
   /// grows beyond 2 cm or 10 mrad; until then no covariance shows it.
   Status predict(const PlanarIncrement<Scalar>& increment);
 
-  /// Lets the body's tilt return to zero for `dt_s` seconds, with its noise; once a frame suffices.
-  /// At rest the noise is held as the odometry's. Nothing to do for a body that does not tilt.
+  /// Lets the body's tilt return to zero for `dt_s` seconds, with its noise, and the map turn about
+  /// the vehicle so that no pixel moves; once a frame suffices. At rest this is held as odometry's.
   /// Errors: kNotInitialised, kInvalidArgument (negative, not finite).
   Status predict_tilt(Scalar dt_s);
 

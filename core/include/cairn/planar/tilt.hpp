@@ -12,7 +12,7 @@ template <class T>
 struct TiltParameters {
   T sigma_pitch_rad = T(0);  ///< stationary standard deviation; both 0: the body does not tilt
   T sigma_roll_rad = T(0);
-  T time_constant_s = T(1);  ///< in which a tilt returns to 1/e
+  T time_constant_s = T(1);  ///< in which a tilt returns to 1/e: what lasts is the road's slope
 
   /// A hall's or a laboratory's floor, and a vehicle that is stiff.
   static TiltParameters flat_floor() { return {}; }

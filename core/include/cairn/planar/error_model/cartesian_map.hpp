@@ -108,10 +108,15 @@ class CartesianMap {
     P_(kTiltState, kTiltState) = square(parameters.sigma_pitch_rad);
     P_(kTiltState + 1, kTiltState + 1) = square(parameters.sigma_roll_rad);
   }
-  /// Lets the tilt return by `decay` and adds `noise`. Cost: 2 n multiplications.
+  /// Lets the tilt return by `decay` and adds `noise`. It is the floor that comes to lie under the
+  /// body, a slope of the road: beside the landmarks the body stays as it was, so the mean of the
+  /// map turns about the vehicle. The turn is small: the covariance keeps its axes. Cost: 2 n
+  /// multiplications, 9 per landmark.
   void propagate_tilt(T decay, const Vector2<T>& noise) {
+    const LandmarkMatrix before = vehicle_axes();
     tilt_.pitch *= decay;
     tilt_.roll *= decay;
+    turn_map(vehicle_axes() * before.transpose());
     for (int i = 0; i < P_.size(); ++i) {
       T* row = P_.row(i);
       if (i < kTiltState) continue;
@@ -207,6 +212,16 @@ class CartesianMap {
     tilt_ = VehicleTilt<T>();
     P_.resize(0);
     P_.resize(kPoseStates);
+  }
+
+  void turn_map(const LandmarkMatrix& rotation) {
+    for (int slot = 0; slot < landmarks_; ++slot) {
+      LandmarkVector v;
+      relative(slot, v.data());
+      const LandmarkVector turned = rotation * v;
+      for (int i = 0; i < LandmarkDim; ++i) p_[slot][i] = turned(i);
+      for (int i = 0; i < 2; ++i) p_[slot][i] += x_[i];
+    }
   }
 
   void correct_tilt(const T* d) {
