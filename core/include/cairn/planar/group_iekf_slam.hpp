@@ -16,9 +16,12 @@ namespace cairn {
 ///   Gaussian error. The position of pose() lies nearer to the first estimate than mean_pose()'s by
 ///   the factor exp(-heading variance / 2).
 ///
+/// TravelStates 1: the direction of travel can be a state (PlanarParameters::travel_sigma_rad).
 /// T is float or double; LandmarkDim 2 (points on the plane) or 3 (with height, for the camera).
 /// Interface: PlanarSlam.
-template <class T, int MaxLandmarks, int LandmarkDim = 2, int TiltStates = LandmarkDim == 3 ? 2 : 0>
-using GroupIekfSlam = PlanarSlam<GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>>;
+template <class T, int MaxLandmarks, int LandmarkDim = 2, int TiltStates = LandmarkDim == 3 ? 2 : 0,
+          int TravelStates = detail::travel_states(MaxLandmarks, LandmarkDim)>
+using GroupIekfSlam =
+    PlanarSlam<GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>>;
 
 }  // namespace cairn

@@ -248,6 +248,7 @@ class PlanarSlam {
     if constexpr (kTilts) return model_.tilt_covariance();
     return Matrix2<Scalar>::Zero();
   }
+  DirectionOfTravel<Scalar> travel() const { return model_.travel(); }
   /// Variances of what `dt_s` seconds add to (pitch, roll), rad^2.
   Vector2<Scalar> tilt_noise(Scalar dt_s) const;
   /// Mean pose, the point of linearisation: what images are registered with.
@@ -268,8 +269,8 @@ class PlanarSlam {
   LandmarkMatrix relative_landmark_covariance(int slot) const;
   /// Element of the covariance of the error model's own error, deferred noise included: EkfSlam (x,
   /// y, heading, landmarks), GroupIekfSlam (heading, xi_x, xi_landmarks), both with pitch and roll
-  /// before the landmarks where the body tilts; LiftedIekfSlam its lifted state. i, j <
-  /// state_size().
+  /// before the landmarks where the body tilts, then the direction of travel; LiftedIekfSlam its
+  /// lifted state. i, j < state_size().
   Scalar error_covariance(int i, int j) const { return model_.error_covariance(i, j); }
 
   int landmark_count() const { return slots_.size(); }
@@ -287,7 +288,6 @@ class PlanarSlam {
 
  protected:
   using T = Scalar;
-
   static Status check_start(const PlanarPose<T>& pose, const Matrix3<T>& covariance,
                             const PlanarParameters<T>& parameters);
 

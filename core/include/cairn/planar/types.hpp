@@ -35,6 +35,14 @@ struct PlanarPose {
   T heading = T(0);
 };
 
+/// Direction in which a vehicle travels beside its x axis, positive to the left, rad, and its
+/// variance; zero where it is the axis.
+template <class T>
+struct DirectionOfTravel {
+  T angle_rad = T(0);
+  T variance = T(0);
+};
+
 /// What a filter remembers of each landmark.
 struct LandmarkStatistics {
   std::uint32_t measured = 0;         ///< observations used
@@ -74,6 +82,12 @@ struct PlanarParameters {
 
   /// None by default: the floor is flat and the vehicle has no suspension.
   TiltParameters<T> tilt;
+
+  /// How far the vehicle may travel beside its x axis, as a constant of the drive that the filter
+  /// estimates, standard deviation, at most 0.3 rad; 0: along the axis. A camera whose yaw on the
+  /// vehicle is told wrong does the same. GroupIekfSlam with TravelStates alone, others travel
+  /// along the axis.
+  T travel_sigma_rad = T(0);
 
   /// A vehicle with odometry needs fewer inliers than a hand-held camera.
   OnePointRansacParameters ransac = {0.99F, 16, 3, 0.5F};

@@ -47,6 +47,7 @@ Status PlanarSlam<ErrorModel>::check_start(const PlanarPose<T>& pose, const Matr
       p.reacquire_steps <= 20 && p.reacquire_position_m >= T(0) &&
       p.reacquire_heading_rad >= T(0) && p.reacquire_landmark_m >= T(0) && p.replace_after >= 0 &&
       p.rest_sigmas >= T(0) && p.tilt.valid() && (kTilts || !p.tilt.tilts()) &&
+      p.travel_sigma_rad >= T(0) && p.travel_sigma_rad <= T(0.3) &&
       is_finite(p.gate + p.ransac_threshold + p.rescue_gate + p.reacquire_position_m +
                 p.reacquire_heading_rad + p.reacquire_landmark_m + p.rest_sigmas) &&
       p.ransac.max_hypotheses >= 1 && p.ransac.probability > 0.0F && p.ransac.probability < 1.0F &&
@@ -64,6 +65,7 @@ Status PlanarSlam<ErrorModel>::initialise(const PlanarPose<T>& pose, const Matri
   slots_.clear();
   model_.start(pose, covariance);
   if constexpr (kTilts) model_.start_tilt(parameters.tilt);
+  if constexpr (ErrorModel::kTurnsAboutAnchor) model_.start_travel(parameters.travel_sigma_rad);
   updates_ = 0;
   reacquisition_.clear();
   rest_ = detail::Rest<T>();

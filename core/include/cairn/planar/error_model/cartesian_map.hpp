@@ -9,20 +9,25 @@
 
 namespace cairn::detail {
 
+/// Small maps leave the direction of travel out: they are for 64 KB of memory.
+constexpr int travel_states(int max_landmarks, int landmark_dim) {
+  return landmark_dim == 3 && max_landmarks > 16 ? 1 : 0;
+}
+
 /// What the error models have in common whose landmarks are points of the world: the mean, heading,
 /// position, tilt and landmarks, and the storage of the covariance, with three states of the pose,
-/// two of the tilt where there is one, and as many per landmark as it has coordinates. Positions
-/// are kept relative to an anchor.
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+/// two of the tilt where there is one, one of the direction of travel where it is unsure, and as
+/// many per landmark as it has coordinates. Positions are kept relative to an anchor.
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates = 0>
 class CartesianMap {
  public:
   using Scalar = T;
   static constexpr int kMaxLandmarks = MaxLandmarks;
   static constexpr int kLandmarkDim = LandmarkDim;
   static constexpr int kPoseStates = 3;
-  static constexpr int kTiltStates = TiltStates;                    ///< 2, or 0: without tilt
-  static constexpr int kTiltState = kPoseStates;                    ///< pitch, then roll
-  static constexpr int kVehicleStates = kPoseStates + kTiltStates;  ///< at most
+  static constexpr int kTiltStates = TiltStates;  ///< 2, or 0: without tilt
+  static constexpr int kTiltState = kPoseStates;  ///< pitch, then roll
+  static constexpr int kVehicleStates = kPoseStates + kTiltStates + TravelStates;  ///< at most
   static constexpr int kLandmarkStates = LandmarkDim;
   static constexpr int kStates = kVehicleStates + MaxLandmarks * kLandmarkStates;
   static constexpr bool kHasWorldLandmarks = true;
@@ -33,7 +38,9 @@ class CartesianMap {
   static_assert(TiltStates == 0 || (TiltStates == 2 && LandmarkDim == 3));
 
   /// States before the first landmark's.
-  int vehicle_states() const { return TiltStates > 0 && tilts_ ? kVehicleStates : kPoseStates; }
+  int vehicle_states() const {
+    return TiltStates + TravelStates > 0 ? vehicle_states_ : kPoseStates;
+  }
   int state_of(int slot) const { return vehicle_states() + slot * kLandmarkStates; }
   /// Of landmarks with one.
   int height_state(int slot) const { return state_of(slot) + 2; }
@@ -104,7 +111,8 @@ class CartesianMap {
   void start_tilt(const TiltParameters<T>& parameters) {
     tilts_ = TiltStates > 0 && parameters.tilts();
     if (!tilts_) return;
-    P_.resize(kVehicleStates);
+    vehicle_states_ += kTiltStates;
+    P_.resize(vehicle_states_);
     P_(kTiltState, kTiltState) = square(parameters.sigma_pitch_rad);
     P_(kTiltState + 1, kTiltState + 1) = square(parameters.sigma_roll_rad);
   }
@@ -120,7 +128,7 @@ class CartesianMap {
     for (int i = 0; i < P_.size(); ++i) {
       T* row = P_.row(i);
       if (i < kTiltState) continue;
-      if (i < kVehicleStates) {
+      if (i < kTiltState + kTiltStates) {
         for (int j = 0; j < kTiltState; ++j) row[j] *= decay;
         for (int j = kTiltState; j <= i; ++j) row[j] *= decay * decay;
         row[i] += noise(i - kTiltState);
@@ -159,6 +167,21 @@ class CartesianMap {
     return {tilt_.pitch + d[kTiltState], tilt_.roll + d[kTiltState + 1]};
   }
 
+  /// Makes the direction of travel a state, at zero. Before the first landmark, after start_tilt().
+  void start_travel(T sigma_rad) {
+    if (TravelStates == 0 || !(sigma_rad > T(0))) return;
+    travels_ = true;
+    P_.resize(++vehicle_states_);
+    P_(travel_state(), travel_state()) = square(sigma_rad);
+  }
+  /// Whether the direction of travel is a state.
+  bool travels() const { return TravelStates > 0 && travels_; }
+  DirectionOfTravel<T> travel() const {
+    if (!travels()) return {};
+    return {travel_rad_, P_(travel_state(), travel_state())};
+  }
+  int travel_state() const { return vehicle_states() - 1; }
+
   /// Puts the mean of the next landmark where it is seen from the vehicle, `y` in its axes.
   void place_beside_vehicle(const LandmarkMatrix& rotation, const LandmarkVector& y) {
     const LandmarkVector turned = rotation * y;
@@ -194,6 +217,7 @@ class CartesianMap {
       hash.add(tilt_.pitch);
       hash.add(tilt_.roll);
     }
+    if (travels()) hash.add(travel_rad_);
     for (int slot = 0; slot < landmarks_; ++slot) {
       for (int i = 0; i < LandmarkDim; ++i) hash.add(p_[slot][i]);
     }
@@ -208,7 +232,10 @@ class CartesianMap {
       anchor_[i] = anchored_there ? pose.position(i) : T(0);
     }
     landmarks_ = 0;
+    vehicle_states_ = kPoseStates;
     tilts_ = false;
+    travels_ = false;
+    travel_rad_ = T(0);
     tilt_ = VehicleTilt<T>();
     P_.resize(0);
     P_.resize(kPoseStates);
@@ -227,10 +254,17 @@ class CartesianMap {
   void correct_tilt(const T* d) {
     if (tilts()) tilt_ = tilt_after(d);
   }
+  void correct_travel(const T* d) {
+    constexpr T kMost_rad = T(0.3);
+    if (travels()) travel_rad_ = clamp(travel_rad_ + d[travel_state()], -kMost_rad, kMost_rad);
+  }
 
   T heading_ = T(0);
   VehicleTilt<T> tilt_;
+  T travel_rad_ = T(0);
+  int vehicle_states_ = kPoseStates;
   bool tilts_ = false;
+  bool travels_ = false;
   T x_[2] = {};
   T anchor_[2] = {};
   T p_[MaxLandmarks][LandmarkDim] = {};

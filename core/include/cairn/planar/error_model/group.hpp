@@ -18,9 +18,11 @@ namespace cairn {
 /// it, so it stays in the 3x3 matrix G, and P resolves what is small beside it. The covariance is P
 /// + B W B^T + U G U^T, B = [I3; -J p_i, 0], U = [I3; 0, I], J = [0 -1; 1 0]. Interface:
 /// PlanarSlam.
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates = LandmarkDim == 3 ? 2 : 0>
-class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim, TiltStates> {
-  using Map = detail::CartesianMap<T, MaxLandmarks, LandmarkDim, TiltStates>;
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates = LandmarkDim == 3 ? 2 : 0,
+          int TravelStates = detail::travel_states(MaxLandmarks, LandmarkDim)>
+class GroupErrorModel
+    : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates> {
+  using Map = detail::CartesianMap<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>;
   using Rows = detail::ErrorRows<T, LandmarkDim>;
   using Map::heading_;
   using Map::P_;
@@ -134,6 +136,7 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
     v.template move<2>(x_, d + kPositionState, 1);
     v.template move<LandmarkDim>(p_[0], d + Map::state_of(0), this->landmark_count());
     this->correct_tilt(d);
+    this->correct_travel(d);
   }
 
   void append_landmark(const LandmarkVector& y, const LandmarkMatrix& R) {
@@ -162,6 +165,7 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   }
 
  private:
+  void travel_beside(T distance_m, const RelativeFrame<T>& frame, Displacement<T>& u);
   /// Column of U that has a 1 in row `state`, -1 where there is none.
   int shared_axis(int state) const {
     if (state < 3) return state;
@@ -195,8 +199,8 @@ class GroupErrorModel : public detail::CartesianMap<T, MaxLandmarks, LandmarkDim
   T along_[Map::kStates] = {};         ///< of deferred_noise()
 };
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::start(
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::start(
     const PlanarPose<T>& pose, const Matrix3<T>& covariance) {
   // Anchored at the estimate, x^ = 0 and xi_x is the plain position error.
   this->start_at(pose, true);
@@ -208,11 +212,12 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::start(
   G_.setZero();
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::propagate(
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::propagate(
     const PlanarIncrement<T>& increment) {
   const RelativeFrame<T> f = this->frame();
-  const Displacement<T> u = displacement(increment);
+  Displacement<T> u = displacement(increment);
+  if (this->travels()) travel_beside(increment.distance_m, f, u);
   T step[2];
   T by_distance[2];
   T by_turn[2];
@@ -238,17 +243,17 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::propagate(
   deferred_ = true;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::widen_pose(T position_variance,
-                                                                           T heading_variance) {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::widen_pose(
+    T position_variance, T heading_variance) {
   widen(W_, position_variance, heading_variance);
   deferred_ = true;
 }
 
 /// W = b b^T + [0, 0; 0, rest] with b = W e_0 / sqrt(W_00); the result holds B b and rest.
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
 detail::DeferredNoise<T>
-GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::deferred_noise() {
+GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::deferred_noise() {
   detail::DeferredNoise<T> noise;
   if (!deferred_) return noise;
   const T root = sqrt(W_(0, 0));
@@ -272,8 +277,8 @@ GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::deferred_noise() {
   return noise;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_covariance(
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::relative_covariance(
     int slot, RelativeCovariance<T>& out) const {
   const int l = Map::state_of(slot);
   const T* x = P_.row(l);
@@ -295,8 +300,8 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_covaria
   out.s[2] += b[1] * (b[1] * W_(0, 0) - T(2) * W_(2, 0)) + W_(2, 2);
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::relative_columns(
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::relative_columns(
     int slot, T* __restrict c0, T* __restrict c1) const {
   const int n = P_.size();
   const int l = Map::state_of(slot);

@@ -2,13 +2,13 @@
 
 #include "cairn/planar/error_model/group.hpp"
 
-// GroupErrorModel: what all its states share, the centre about which its error turns, and lateral
-// slip.
+// GroupErrorModel: what all its states share, the centre about which its error turns, lateral slip,
+// and the direction of travel.
 
 namespace cairn {
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::share_pose_error() {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::share_pose_error() {
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) G_(i, j) += P_(i, j);
   }
@@ -19,8 +19,9 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::share_pose_error
   }
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::slip_laterally(T variance) {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::slip_laterally(
+    T variance) {
   const RelativeFrame<T> f = this->frame();
   W_(1, 1) += variance * square(f.sine);
   W_(2, 1) -= variance * f.sine * f.cosine;
@@ -29,16 +30,45 @@ void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::slip_laterally(T
   deferred_ = true;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::join_world() {
+/// Along the direction of travel b beside the x axis, u += d b s with s across the step. The error
+/// of b goes to xi_x as d R s, whatever the heading is: rows 1 and 2 of P take those of b. Cost:
+/// 2 n multiply-adds.
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::travel_beside(
+    T distance_m, const RelativeFrame<T>& frame, Displacement<T>& u) {
+  const Vector2<T> across(-u.by_distance.y(), u.by_distance.x());
+  u.u += (distance_m * this->travel_rad_) * across;
+  u.by_distance += this->travel_rad_ * across;
+  if (distance_m == T(0)) return;
+  T by[2];
+  frame.to_relative(across.data(), by);
+  for (T& b : by) b *= distance_m;
+  const int t = Map::travel_state();
+  const T with_position[2] = {P_(t, 1), P_(t, 2)};
+  const T half[2] = {with_position[0] + T(0.5) * by[0] * P_(t, t),
+                     with_position[1] + T(0.5) * by[1] * P_(t, t)};
+  for (int i = 0; i < 2; ++i) {
+    P_(1 + i, 0) += by[i] * P_(t, 0);
+    for (int j = 0; j <= i; ++j) P_(1 + i, 1 + j) += by[i] * half[j] + half[i] * by[j];
+  }
+  for (int k = 3; k < P_.size(); ++k) {
+    const T with_travel = P_(k, t);
+    T* row = P_.row(k);
+    row[1] += by[0] * with_travel;
+    row[2] += by[1] * with_travel;
+  }
+}
+
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::join_world() {
   for (int i = 0; i < P_.size(); ++i) {
     for (int j = 0; j <= i; ++j) P_(i, j) += shared_covariance(i, j);
   }
   G_.setZero();
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::move_anchor() {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+void GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::move_anchor() {
   const T by_heading[2] = {-x_[1], x_[0]};
   const int n = P_.size();
   T c[Map::kStates] = {};

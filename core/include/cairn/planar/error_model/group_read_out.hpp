@@ -8,9 +8,9 @@
 namespace cairn {
 
 /// Element of B W B^T.
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-T GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::deferred_covariance(int i,
-                                                                                 int j) const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+T GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::deferred_covariance(
+    int i, int j) const {
   T rows[2][3] = {};
   const int index[2] = {i, j};
   for (int k = 0; k < 2; ++k) {
@@ -30,8 +30,9 @@ T GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::deferred_covariance
   return sum;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose() const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::pose()
+    const {
   const T rho = exp(T(-0.5) * heading_variance());
   PlanarPose<T> pose;
   pose.position = {this->anchor_[0] + rho * x_[0], this->anchor_[1] + rho * x_[1]};
@@ -39,8 +40,9 @@ PlanarPose<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose() 
   return pose;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::own_pose_error() const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::own_pose_error()
+    const {
   Matrix3<T> error;
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) error(i, j) = P_(i, j) + W_(i, j);
@@ -49,8 +51,8 @@ Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::own_pose_e
 }
 
 /// Covariance over (x, y, heading) of an `error` over (heading, xi_x).
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose_moments(
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::pose_moments(
     const Matrix3<T>& error) const {
   const T c[2] = {error(1, 0), error(2, 0)};
   const T xi[3] = {error(1, 1), error(2, 1), error(2, 2)};
@@ -61,18 +63,20 @@ Matrix3<T> GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::pose_momen
   return out;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-typename GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::LandmarkVector
-GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::landmark_position(int slot) const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+typename GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::LandmarkVector
+GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::landmark_position(
+    int slot) const {
   const T rho = exp(T(-0.5) * heading_variance());
   LandmarkVector p = this->mean_landmark(slot);
   for (int i = 0; i < 2; ++i) p(i) = this->anchor_[i] + rho * p_[slot][i];
   return p;
 }
 
-template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates>
-typename GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::LandmarkMatrix
-GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates>::landmark_covariance(int slot) const {
+template <class T, int MaxLandmarks, int LandmarkDim, int TiltStates, int TravelStates>
+typename GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::LandmarkMatrix
+GroupErrorModel<T, MaxLandmarks, LandmarkDim, TiltStates, TravelStates>::landmark_covariance(
+    int slot) const {
   const int l = Map::state_of(slot);
   const T b[2] = {p_[slot][1], -p_[slot][0]};  // -J p
   const T w = W_(0, 0);

@@ -52,6 +52,7 @@ class LiftedErrorModel {
 
   PlanarPose<T> mean_pose() const;
   LandmarkVector mean_landmark(int slot) const;
+  DirectionOfTravel<T> travel() const { return {}; }
   PlanarPose<T> pose() const { return mean_pose(); }
   /// d heading = (c ds - s dc) / (s^2 + c^2).
   Matrix3<T> pose_covariance() const;
