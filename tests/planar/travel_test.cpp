@@ -143,7 +143,7 @@ TEST(TravelDrive, TheStateHalvesTheErrorOfTheHeading) {
 /// Where the axis is the direction, little is lost by not being sure of it.
 TEST(TravelDrive, AVehicleAlongItsAxisLosesLittle) {
   const Consistency along = drive<Group>(20, {suspension()});
-  const Consistency unsure = drive<Group>(20, {suspension(), 1.0, Floor::kFollows, 0.005, 0.0});
+  const Consistency unsure = drive<Group>(20, {suspension(), 1.0, Floor::kFollows, 0.0035, 0.0});
   EXPECT_LT(unsure.heading_rad, 1.2 * along.heading_rad);
 }
 

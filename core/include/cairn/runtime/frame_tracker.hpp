@@ -62,14 +62,14 @@ class FrameTracker {
     /// The filter's re-acquisition is off: it widens the pose at every prediction, which at frame
     /// rate would make the search windows grow too fast; the tracking states take its place. Two
     /// inliers are enough for a young map, because odometry bounds what they can change. The
-    /// camera's yaw against the direction of travel is known to 0.3 degrees. In
+    /// camera's yaw against the direction of travel is known to 0.2 degrees. In
     /// pictures of less than 240 rows seeds begin nearer to the border than a descriptor needs:
     /// they are found by their patch, and 29 px would leave 22 of 80 rows.
     Parameters() {
       filter.reacquire_after = 0;
       filter.ransac.min_inliers = 2;
       filter.gate = kWideGate;
-      filter.travel_sigma_rad = 0.005F;
+      filter.travel_sigma_rad = 0.0035F;
       measurement.search.method = SearchMethod::kPatch;
       measurement.search.gate = kWideGate;
       measurement.search.patch.gate = kWideGate;
