@@ -138,7 +138,7 @@ float EpipolarPair::flow_px(const TwoViews& views) const {
   const Vector turned = turn(rows_, first);
   if (turned.z < kLeastDepth) return 0.0F;
   const auto moved = [&](std::int32_t from, std::int32_t to) {
-    const std::int64_t tangent = (std::int64_t{from} << kBits) / turned.z;
+    const std::int64_t tangent = std::int64_t{from} * (1 << kBits) / turned.z;
     return static_cast<float>(tangent - to);
   };
   const float x = moved(turned.x, second.x);
