@@ -8,6 +8,7 @@
 #include "cairn/base/fixed_vector.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/numeric/positive_definite.hpp"
 #include "cairn/numeric/random.hpp"
 
 namespace cairn {
@@ -176,6 +177,23 @@ TEST_F(Packed, GrownRowsAreZero) {
   for (int i = 5; i < 8; ++i) {
     for (int j = 0; j <= i; ++j) EXPECT_EQ(p_(i, j), 0.0);
   }
+}
+
+TEST(SemidefiniteFactor, WhatHasNoVarianceVariesWithNothing) {
+  const auto semidefinite = [](float first, float between, float second) {
+    PackedSymmetric<float, 2> a;
+    a.resize(2);
+    a(0, 0) = first;
+    a(1, 0) = between;
+    a(1, 1) = second;
+    return factor_semidefinite(a);
+  };
+  EXPECT_TRUE(semidefinite(0.0F, 0.0F, 2.0F));
+  EXPECT_TRUE(semidefinite(4.0F, 0.0F, 0.0F));
+  EXPECT_TRUE(semidefinite(1.0F, 1.0F, 1.0F));
+  EXPECT_FALSE(semidefinite(0.0F, 24.0F, 1.2F));
+  EXPECT_FALSE(semidefinite(1.2F, 24.0F, 0.0F));
+  EXPECT_FALSE(semidefinite(-1.0F, 0.0F, 2.0F));
 }
 
 TEST(FixedVector, RefusesBeyondCapacity) {

@@ -24,7 +24,13 @@ bool factor_semidefinite(PackedSymmetric<T, Capacity>& a) {
   for (int k = 0; k < n; ++k) {
     const T pivot = a.row(k)[k];
     if (!(pivot >= -kZero * variance[k])) return false;
-    if (pivot <= kZero * variance[k]) continue;
+    if (pivot <= kZero * variance[k]) {
+      // What has no variance varies with nothing.
+      for (int i = k + 1; i < n; ++i) {
+        if (!(square(a.row(i)[k]) <= T(4) * kZero * variance[k] * variance[i])) return false;
+      }
+      continue;
+    }
     const T inverse = T(1) / pivot;
     for (int i = k + 1; i < n; ++i) {
       const T factor = a.row(i)[k] * inverse;
