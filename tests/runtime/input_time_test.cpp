@@ -58,6 +58,22 @@ TEST_F(VehicleWithAClock, GoesOnWithAClockThatWasSetBack) {
   EXPECT_NEAR(x(), (kTracked + 5) * kStep, 0.02) << "where it is, not a tile beside";
 }
 
+TEST_F(VehicleWithAClock, TakesNoOtherClockFromSamplesThatAreRefused) {
+  const float at = x();
+  const float sigma = sigma_x();
+  for (int k = 0; k < 8; ++k) {
+    OdometrySample sample;
+    sample.t_us = (kTracked + k) * kStepUs - kHourUs;
+    sample.speed_mps = k % 2 == 0 ? std::nanf("") : 1e6F;
+    EXPECT_EQ(tracker_->add_odometry(sample),
+              k % 2 == 0 ? Status::kNonFiniteInput : Status::kInvalidArgument);
+  }
+  EXPECT_EQ(x(), at);
+  EXPECT_EQ(sigma_x(), sigma);
+  EXPECT_EQ(both(kTracked, 0), Status::kOk);
+  EXPECT_EQ(report_.state, TrackingState::kTracking);
+}
+
 /// Neither frames nor odometry come for three seconds, in which the vehicle may have done anything.
 TEST_F(VehicleWithAClock, IsUncertainAfterAGap) {
   constexpr std::int64_t kGapUs = 3000000;

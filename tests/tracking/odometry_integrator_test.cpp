@@ -193,5 +193,33 @@ TEST_F(AVehicleWithOdometry, LinearisesNoiseAtSteadyReadings) {
   EXPECT_LT(last.increment.covariance(0, 1), 0.3F * at_reading.covariance(0, 1));
 }
 
+/// Times of the input's own, at both ends of what a stamp can say.
+TEST_F(AVehicleWithOdometry, TakesTimesThatLieAnyDistanceApart) {
+  constexpr std::int64_t kFirst = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kLast = std::numeric_limits<std::int64_t>::max();
+  odometry_.reset(noise_, 1000000, kFirst);
+  ASSERT_TRUE(ok(add(kFirst, 1.0F)));
+  EXPECT_TRUE(odometry_.known());
+  for (const std::int64_t t_us : {std::int64_t{66666}, kLast}) {
+    static_cast<void>(add(t_us, 1.0F));
+    static_cast<void>(integrate_to(t_us));
+    EXPECT_TRUE(filter_.mean_pose().position.allFinite()) << t_us;
+    EXPECT_TRUE(filter_.pose_covariance().allFinite()) << t_us;
+  }
+}
+
+/// From a clock that was not set to one that is.
+TEST_F(AVehicleWithOdometry, GoesOnAfterAGapOfAnyLength) {
+  constexpr std::int64_t kSecondUs = 1000000;
+  for (const std::int64_t gap_s : {10, 3600, 86400, 31557600, 1764600000}) {
+    SetUp();
+    ASSERT_TRUE(ok(add(kPeriodUs, 1.0F)));
+    ASSERT_TRUE(ok(add(2 * kPeriodUs, 1.0F)));
+    EXPECT_EQ(add(gap_s * kSecondUs, 1.0F), Status::kTimeGap) << gap_s;
+    EXPECT_TRUE(ok(add(gap_s * kSecondUs + kPeriodUs, 1.0F))) << gap_s;
+    EXPECT_TRUE(filter_.pose_covariance().allFinite()) << gap_s;
+  }
+}
+
 }  // namespace
 }  // namespace cairn

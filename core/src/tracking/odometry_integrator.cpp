@@ -35,19 +35,28 @@ void OdometryIntegrator::count_from(std::int64_t t_us) {
   corrected_us_ = t_us;
 }
 
-Status OdometryIntegrator::check(const OdometrySample& sample, Health& health) const {
+Status OdometryIntegrator::check_reading(const OdometrySample& sample, Health& health) {
   if (!is_finite(sample.speed_mps) || !is_finite(sample.turn)) {
     ++health.non_finite_inputs;
     return Status::kNonFiniteInput;
   }
+  if (!OdometryMotion::is_possible(sample)) {
+    ++health.odometry_refused;
+    return Status::kInvalidArgument;
+  }
+  return Status::kOk;
+}
+
+Status OdometryIntegrator::check(const OdometrySample& sample, Health& health) const {
+  const Status reading = check_reading(sample, health);
+  if (!ok(reading)) return reading;
   if (motion_.has_sample() && sample.t_us < motion_.held().t_us) {
     ++health.time_errors;
     return Status::kTimeBackwards;
   }
   const float longest_s = motion_.max_step_s();
   const float dt_s = motion_.seconds_since_sample(sample.t_us);
-  if (!OdometryMotion::is_possible(sample) ||
-      !(abs(motion_.over(sample, dt_s < longest_s ? dt_s : longest_s).yaw_rad) <= kPi<float>)) {
+  if (!(abs(motion_.over(sample, dt_s < longest_s ? dt_s : longest_s).yaw_rad) <= kPi<float>)) {
     ++health.odometry_refused;
     return Status::kInvalidArgument;
   }
@@ -70,13 +79,11 @@ void OdometryIntegrator::note_interval(float step_s) {
 }
 
 /// What a sample after a gap adds to the motion that was held in it, for the longest step: half of
-/// the gap is its own, the other half that of the samples before. Turns end within two steps. Of
-/// gaps that are much longer, as when the clock was set, the samples say nothing.
+/// the gap is its own, the other half that of the samples before. Turns end within two steps.
 OdometryMotion::Step OdometryIntegrator::bridging(const OdometrySample& sample) {
-  constexpr float kMostSteps = 10.0F;
   const float gap_s = motion_.seconds_since_sample(time_us_);
   const float longest_s = motion_.max_step_s();
-  if (!motion_.has_sample() || !(gap_s > longest_s) || gap_s > kMostSteps * longest_s) return {};
+  if (!motion_.has_sample() || !(gap_s > longest_s) || !can_bridge(time_us_)) return {};
   const OdometrySample first = motion_.steady();
   const float half_s = 0.5F * gap_s;
   begin_settling(half_s);

@@ -47,15 +47,17 @@ bool OdometryMotion::at_rest() const {
   return held_.speed_mps == 0.0F && (ackermann || held_.turn == 0.0F);
 }
 
-float OdometryMotion::seconds_since_sample(std::int64_t t_us) const {
-  const std::int64_t since_us = difference_us(t_us, held_.t_us);
+float OdometryMotion::seconds_between(std::int64_t later_us, std::int64_t earlier_us) {
+  const std::int64_t since_us = difference_us(later_us, earlier_us);
   return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;
 }
 
+float OdometryMotion::seconds_since_sample(std::int64_t t_us) const {
+  return seconds_between(t_us, held_.t_us);
+}
+
 float OdometryMotion::seconds_since_known(std::int64_t t_us) const {
-  if (!by_images_) return seconds_since_sample(t_us);
-  const std::int64_t since_us = difference_us(t_us, seen_us_);
-  return since_us > 0 ? static_cast<float>(since_us) * 1e-6F : 0.0F;
+  return seconds_between(t_us, by_images_ ? seen_us_ : held_.t_us);
 }
 
 void OdometryMotion::take(const OdometrySample& sample) {

@@ -4,6 +4,7 @@
 
 #include "cairn/base/health.hpp"
 #include "cairn/base/status.hpp"
+#include "cairn/base/time.hpp"
 #include "cairn/planar/increment.hpp"
 #include "cairn/planar/types.hpp"
 #include "cairn/tracking/frame_report.hpp"
@@ -40,6 +41,9 @@ class OdometryIntegrator {
   template <class Filter>
   Status add(const OdometrySample& sample, Filter& filter, Health& health);
 
+  /// What add() refuses of the reading alone, whatever its time: kNonFiniteInput, kInvalidArgument.
+  static Status check_reading(const OdometrySample& sample, Health& health);
+
   /// Brings the pose to `t_us`; nothing to do where it is there already. kTimeGap: the motion since
   /// the newest sample is unknown by now, and the pose became uncertain. Else as Filter::predict().
   template <class Filter>
@@ -73,7 +77,8 @@ class OdometryIntegrator {
   bool begun() const { return motion_.has_sample(); }
   /// Whether the motion at the pose's time follows from samples.
   bool known() const {
-    return motion_.has_sample() && time_us_ - motion_.held().t_us <= motion_.max_step_us();
+    return motion_.has_sample() &&
+           difference_us(time_us_, motion_.held().t_us) <= motion_.max_step_us();
   }
   /// Whether the newest sample is exactly no motion.
   bool at_rest() const { return motion_.at_rest(); }
@@ -90,6 +95,12 @@ class OdometryIntegrator {
   void count_from(std::int64_t t_us);
   Status check(const OdometrySample& sample, Health& health) const;
   bool samples_missing(std::int64_t from_us, std::int64_t to_us) const;
+  /// Of gaps that are much longer than the longest step, as when the clock was set, the samples say
+  /// nothing.
+  bool can_bridge(std::int64_t t_us) const {
+    constexpr float kMostSteps = 10.0F;
+    return motion_.seconds_since_sample(t_us) <= kMostSteps * motion_.max_step_s();
+  }
   template <class Filter>
   Status move(const PlanarIncrement<float>& increment, float step_s, Filter& filter);
   template <class Filter>
@@ -130,7 +141,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
   const bool glitch =
       trust_.is_contradicted(sample, motion_) || (!gap && trust_.is_glitch(sample, motion_));
   Step correction;
-  if (!glitch && samples_missing(time_us_, sample.t_us)) {
+  if (!glitch && samples_missing(time_us_, sample.t_us) && can_bridge(sample.t_us)) {
     const Status bridged = bridge_to(sample, filter);
     if (!ok(bridged)) return bridged;
     health.odometry_timeouts += gap ? 1 : 0;
@@ -141,7 +152,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
     // What was held beyond the last sample, and no image has corrected, moves as this sample says.
     const std::int64_t sample_us = motion_.held().t_us;
     const std::int64_t from = corrected_us_ > sample_us ? corrected_us_ : sample_us;
-    const float held_s = time_us_ > from ? static_cast<float>(time_us_ - from) * 1e-6F : 0.0F;
+    const float held_s = OdometryMotion::seconds_between(time_us_, from);
     const Step measured = motion_.over(sample, held_s);
     const Step held = motion_.over(motion_.held(), held_s);
     const Step settled = settling(sample);
@@ -158,8 +169,7 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
     motion_.take(sample);
     note_interval(since_s);
   }
-  const float step_s =
-      sample.t_us > time_us_ ? static_cast<float>(sample.t_us - time_us_) * 1e-6F : 0.0F;
+  const float step_s = OdometryMotion::seconds_between(sample.t_us, time_us_);
   PlanarIncrement<float> increment = motion_.increment_over(step_s, trust_.slip_mps());
   increment.distance_m += correction.distance_m;
   increment.turn_rad += correction.yaw_rad;
@@ -187,7 +197,7 @@ Status OdometryIntegrator::move(const PlanarIncrement<float>& increment, float s
 template <class Filter>
 Status OdometryIntegrator::bridge_to(const OdometrySample& sample, Filter& filter) {
   constexpr float kNoiseOfTwo = 0.71F;
-  const float step_s = static_cast<float>(sample.t_us - time_us_) * 1e-6F;
+  const float step_s = OdometryMotion::seconds_between(sample.t_us, time_us_);
   const OdometrySample first = motion_.steady();
   OdometrySample mean = sample;
   mean.speed_mps = 0.5F * (first.speed_mps + sample.speed_mps);

@@ -62,6 +62,8 @@ class OdometryMotion {
   bool at_rest() const;
   /// Whether a reading of its kind can be that large.
   static bool is_possible(const OdometrySample& reading);
+  /// 0 where `later_us` is no later.
+  static float seconds_between(std::int64_t later_us, std::int64_t earlier_us);
   float seconds_since_sample(std::int64_t t_us) const;
   /// Since the sample, or the image, that tells the motion held.
   float seconds_since_known(std::int64_t t_us) const;

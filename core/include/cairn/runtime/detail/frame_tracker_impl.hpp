@@ -36,6 +36,8 @@ Status FrameTracker<Config, Filter>::initialise(const PinholeCamera<float>& came
 template <class Config, class Filter>
 Status FrameTracker<Config, Filter>::add_odometry(const OdometrySample& sample) {
   if (!input_.initialised()) return Status::kNotInitialised;
+  const Status reading = OdometryIntegrator::check_reading(sample, health_);
+  if (!ok(reading)) return reading;  // what is not taken says nothing of the clock
   const Status believed = clock_.take(InputClock::Source::kOdometry, sample.t_us);
   if (!ok(believed)) {
     ++health_.time_errors;
