@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -100,12 +101,13 @@ ReadoutTimes read_readout(const CameraSection& root, const PinholeCamera<double>
   return readout;
 }
 
-/// The pixel nearest to the principal point on the way to a corner that has no ray.
-Vector2<double> first_pixel_without_ray(const PinholeCamera<double>& camera) {
+/// The pixel nearest to the principal point on the way to a corner that has no ray, if there is
+/// one.
+std::optional<Vector2<double>> first_pixel_without_ray(const PinholeCamera<double>& camera) {
   const Vector2<double> centre(camera.cx, camera.cy);
   const double right = camera.width - 1;
   const double bottom = camera.height - 1;
-  Vector2<double> nearest(0.0, 0.0);
+  std::optional<Vector2<double>> nearest;
   double least = std::numeric_limits<double>::infinity();
   for (const Vector2<double>& corner :
        std::vector<Vector2<double>>{{0.0, 0.0}, {right, 0.0}, {0.0, bottom}, {right, bottom}}) {
@@ -183,19 +185,49 @@ void check_intrinsics(const PinholeCamera<double>& camera, const fs::path& path)
   }
 }
 
+/// What a file of the whole picture cannot mean: a centre in shares of the picture, and that of a
+/// picture turned by 90 degrees.
+void check_centre(const PinholeCamera<double>& camera, const fs::path& path) {
+  if (camera.cx <= 1.0 && camera.cy <= 1.0) {
+    throw InputError(path, fmt::format("expected the principal point in pixels, found cx {} cy {}, "
+                                       "which look like shares of the picture",
+                                       camera.cx, camera.cy));
+  }
+  constexpr double kFar = 0.1;
+  constexpr double kNear = 0.02;
+  const double side = std::max(camera.width, camera.height);
+  const auto off = [&](double width, double height) {
+    return std::max(std::abs(camera.cx - 0.5 * width), std::abs(camera.cy - 0.5 * height)) / side;
+  };
+  if (off(camera.width, camera.height) > kFar && off(camera.height, camera.width) < kNear) {
+    throw InputError(path, fmt::format("expected the principal point of a picture of {}x{} pixels, "
+                                       "found cx {} cy {}, as one of {}x{} has it",
+                                       camera.width, camera.height, camera.cx, camera.cy,
+                                       camera.height, camera.width));
+  }
+}
+
 }  // namespace
 
 void check_lens(const PinholeCamera<double>& camera, const fs::path& path) {
   if (ok(camera.validate())) return;
-  const Vector2<double> pixel = first_pixel_without_ray(camera);
+  const std::optional<Vector2<double>> pixel = first_pixel_without_ray(camera);
+  if (!pixel) {
+    throw InputError(path,
+                     fmt::format("expected a distortion that rises all the way to the "
+                                 "image's border, also with its tangential part, and "
+                                 "enlarges it to at most {} times its area, found another: "
+                                 "{}",
+                                 PinholeCamera<double>::kMostEnlarged, coefficients_of(camera)));
+  }
   const std::string crop = largest_crop(camera);
   const bool fisheye = camera.lens == Lens::kFisheye;
   throw InputError(
       path,
       fmt::format("expected a distortion that is one to one inside the image{}, found one that "
                   "folds back at pixel ({:.0f}, {:.0f}){}: {}{}",
-                  fisheye ? ", and rays of at most 80 degrees off the axis" : "", pixel.x(),
-                  pixel.y(), fisheye ? " or a wider ray" : "", coefficients_of(camera),
+                  fisheye ? ", and rays of at most 80 degrees off the axis" : "", pixel->x(),
+                  pixel->y(), fisheye ? " or a wider ray" : "", coefficients_of(camera),
                   crop.empty() ? "" : fmt::format("; --crop {} uses the part before it", crop)));
 }
 
@@ -229,6 +261,7 @@ CameraFile read_camera_file(const fs::path& path, LensCheck lens) {
     file.readout = read_readout(root, file.camera);
   }
   check_intrinsics(file.camera, path);
+  check_centre(file.camera, path);
   if (lens == LensCheck::kWholePicture) check_lens(file.camera, path);
   return file;
 }

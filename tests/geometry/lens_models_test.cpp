@@ -229,6 +229,7 @@ TEST(RationalLens, ValidationKnowsTheFoldAndThePole) {
     const double corner = std::hypot(std::max(c.cx, c.width - 1 - c.cx) / c.fx,
                                      std::max(c.cy, c.height - 1 - c.cy) / c.fy);
     double largest = 0.0;
+    double enlarged = 0.0;  // at the corner
     bool ends = false;
     for (double r = 2e-4;
          r < PinholeCamera<double>::kWidestFisheyeRay && !ends && largest < 1.01 * corner;
@@ -237,9 +238,12 @@ TEST(RationalLens, ValidationKnowsTheFoldAndThePole) {
       const double m = 1.0 + s * (c.k4 + s * (c.k5 + s * c.k6));
       const double d = r * (1.0 + s * (c.k1 + s * (c.k2 + s * c.k3))) / m;
       ends = !(m > 0.0) || !(d > largest);
-      if (!ends) largest = d;
+      if (ends) continue;
+      if (largest < corner) enlarged = d / r * (d - largest) / 2e-4;
+      largest = d;
     }
     if (std::abs(largest / corner - 1.0) < 2e-3) continue;  // at the corner
+    if (enlarged > 0.5 * PinholeCamera<double>::kMostEnlarged) continue;
     const bool good = ok(c.validate());
     EXPECT_EQ(good, largest > corner) << c.k1 << ' ' << c.k2 << ' ' << c.k3 << " / " << c.k4 << ' '
                                       << c.k5 << ' ' << c.k6 << ' ' << largest / corner;
@@ -250,6 +254,42 @@ TEST(RationalLens, ValidationKnowsTheFoldAndThePole) {
   }
   EXPECT_GT(accepted, kLenses / 10);
   EXPECT_LT(accepted, kLenses * 9 / 10);
+}
+
+/// A picture that ends just before the lens's pole, and a coefficient that no lens has.
+TEST(RationalLens, NoLensEnlargesTheBorderAHundredTimes) {
+  PinholeCamera<double> c =
+      rational(141.0, 0.254, -0.198, -0.0196, 0.0125, -0.0434, -0.327, 0.1452, -0.08356);
+  c.cx = 190.0;
+  c.cy = 119.0;
+  c.width = 320;
+  c.height = 240;
+  EXPECT_TRUE(ok(c.validate()));
+  c.height = 3894;
+  EXPECT_EQ(c.validate(), Status::kBadConfig);
+  EXPECT_EQ(cast<float>(c).validate(), Status::kBadConfig);
+  EXPECT_EQ(rational(300.0, -0.4, 9.4e7, 0.0, 0.0, 0.06, 0.25, 0.0, 0.0).validate(),
+            Status::kBadConfig);
+}
+
+TEST(RationalLens, EveryPixelHasItsRayWithTangentialTermsToo) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> focal(250.0, 700.0), k(-0.4, 0.4), p(-0.02, 0.02);
+  int accepted = 0;
+  constexpr int kLenses = 1000;
+  for (int i = 0; i < kLenses; ++i) {
+    const double f = focal(random);
+    const double drawn[] = {k(random), k(random), k(random), k(random), k(random), k(random)};
+    const double p1 = p(random), p2 = p(random);
+    const PinholeCamera<double> c =
+        rational(f, drawn[0], drawn[1], p1, p2, drawn[2], drawn[3], drawn[4], drawn[5]);
+    if (!ok(c.validate())) continue;
+    ++accepted;
+    EXPECT_LT(largest_return_px(c, 31), 0.06)
+        << f << ' ' << c.k1 << ' ' << c.k2 << ' ' << p1 << ' ' << p2 << ' ' << c.k3 << " / " << c.k4
+        << ' ' << c.k5 << ' ' << c.k6;
+  }
+  EXPECT_GT(accepted, kLenses / 3);
 }
 
 TEST(RationalLens, PixelsFarOutsideTheImageGiveAFiniteRay) {

@@ -157,7 +157,9 @@ TEST(CameraFile, ReadsAFisheyeInEveryFormat) {
       "cx": 320, "cy": 240, "k1": -0.02, "k2": 0.01, "k3": -0.003, "k4": 0.001}}],
       "resolution": [[640, 480]]}})",
       "1 OPENCV_FISHEYE 640 480 510 520 320.5 240.5 -0.02 0.01 -0.003 0.001\n",
-      plain};
+      plain,
+      R"({"camera_matrix": [[510, 0, 320], [0, 520, 240], [0, 0, 1]], "cam_type": "fisheye",
+      "dist_coefs": [[-0.02], [0.01], [-0.003], [0.001]], "resolution": [640, 480]})"};
   for (const std::string& text : files) {
     PinholeCamera<double> c;
     ASSERT_NO_THROW(c = read_camera_file(folder.write("c.yaml", text)).camera) << text;
@@ -320,8 +322,21 @@ TEST(CameraFile, RefusesACameraThatCannotBeMeant) {
                    {"factor of 3", "fy 90"}));
   EXPECT_TRUE(says(problem(500, 240, "p1: -0.047\n"), {"tangential", "-0.047", "fisheye"}));
   EXPECT_TRUE(says(problem(300, 240, "k1: -0.3\n"), {"folds back at pixel", "k1 -0.3"}));
+  EXPECT_TRUE(says(problem(500, 240, "k2: 2e4\n"), {"enlarges", "100 times", "k2 20000"}));
   EXPECT_TRUE(says(problem_of(folder, "fx: 50\nfy: 50\ncx: 8\ncy: 8\nwidth: 50000\nheight: 480\n"),
                    {"'width'", "16 to 16384", "50000"}));
+}
+
+TEST(CameraFile, ACentreInSharesOrOfATurnedPictureIsRefused) {
+  const TemporaryFolder folder;
+  const auto problem = [&](const std::string& cx, const std::string& cy) {
+    return problem_of(
+        folder, "fx: 525\nfy: 525\ncx: " + cx + "\ncy: " + cy + "\nwidth: 640\nheight: 480\n");
+  };
+  EXPECT_TRUE(says(problem("0.5", "0.5"), {"in pixels", "cx 0.5", "shares"}));
+  EXPECT_TRUE(says(problem("241.5", "318"), {"640x480", "cx 241.5 cy 318", "480x640"}));
+  EXPECT_EQ(problem("270", "290"), "no error");
+  EXPECT_EQ(problem("0.5", "240"), "no error");
 }
 
 TEST(CameraFile, TheFoldIsNamedByItsPixel) {

@@ -31,8 +31,8 @@ bool is_one_of(const std::string& name, const std::array<const char*, N>& names)
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-constexpr std::array<const char*, 12> kModelKeys = {
-    "distortionmodel", "cameramodel", "model", "modeltype",      "cameratype", "type",
+constexpr std::array<const char*, 13> kModelKeys = {
+    "distortionmodel", "cameramodel", "model", "modeltype",      "cameratype", "camtype", "type",
     "projectionmodel", "lensmodel",   "lens",  "distortiontype", "projection", "lenstype"};
 
 constexpr std::array<const char*, 10> kCoefficientKeys = {"distortioncoefficients",
@@ -72,9 +72,9 @@ LensModel lens_model_named(const CameraSection& section, const std::string& key,
   static constexpr std::array<const char*, 4> kPinhole = {"pinhole", "perspective", "opencv", ""};
   static constexpr std::array<const char*, 5> kNone = {
       "none", "nodistortion", "rectified", "undistorted", "perspectiveprojwithoutdistortion"};
-  static constexpr std::array<const char*, 8> kRadialTangential = {
-      "radtan",  "radialtangential",       "plumbbob", "pinholeradtan", "brownconrady", "brown",
-      "radtan5", "pinholeradialtangential"};
+  static constexpr std::array<const char*, 9> kRadialTangential = {
+      "radtan", "radialtangential", "plumbbob", "pinholeradtan",          "brownconrady",
+      "brown",  "radtan5",          "radial",   "pinholeradialtangential"};
   static constexpr std::array<const char*, 6> kRational = {
       "rationalpolynomial", "rational", "radtan8", "pinholeradtan8", "fullopencv", "pinholefull"};
   static constexpr std::array<const char*, 11> kFisheye = {

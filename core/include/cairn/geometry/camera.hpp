@@ -42,11 +42,16 @@ struct PinholeCamera {
   /// Tangent of the widest angle with the axis, 80 degrees, at which a fisheye or a rational lens
   /// is used: rays are (x, y, 1).
   static constexpr T kWidestFisheyeRay = T(5.67);
+  /// Area that a lens gives what it shows at the picture's border, over that without distortion:
+  /// strong pincushion is 4. Beyond, the numbers are no lens's.
+  static constexpr T kMostEnlarged = T(100);
 
   /// kBadConfig unless every value is finite, the focal lengths are 1e-3 to 1e4 image sides, the
   /// centre is inside the image, and every pixel has one ray: a distortion that turns back on
-  /// itself inside the image is no description of a lens, and a fisheye picture that reaches beyond
-  /// kWidestFisheyeRay is to be cropped. Cost: eight undistortions.
+  /// itself inside the image, with its tangential part or without, is no description of a lens, nor
+  /// is one beyond kMostEnlarged, and a fisheye picture that reaches beyond kWidestFisheyeRay is to
+  /// be cropped. Looked at on the ways to the corners and the middles of the sides. Cost: eight
+  /// undistortions, 192 distortions with tangential terms.
   Status validate() const;
 
   /// kBadConfig as validate(), of the numbers alone: what code that is called in every frame checks
@@ -71,7 +76,7 @@ struct PinholeCamera {
   /// within 0.05 px (double: 1e-3 px where |p1|, |p2| <= 0.02). kOutOfView where no ray has this
   /// pixel; `ray` is then the outermost one in its direction. Inside the image of a camera that
   /// validate() accepts there always is one. Cost: at most 16 + 4 steps of Newton's method, 24 + 4
-  /// of a rational or a fisheye lens.
+  /// of a rational or a fisheye lens; 32 more where tangential terms meet a steep lens.
   Status unproject(const Vector2<T>& pixel, Vector3<T>& ray) const;
 
   /// The same ray without the status.
