@@ -20,7 +20,7 @@ mkdir -p "$logs"
 sanitize() {
   # OpenCV's GPhoto2 backend, which is asked about videos that FFmpeg refuses, leaks.
   export OPENCV_VIDEOIO_PRIORITY_GPHOTO2=0
-  cmake --preset sanitize -DCAIRN_BUILD_HOST_SIM=ON &&
+  cmake --preset sanitize -DCAIRN_BUILD_HOST_SIM=ON -DCAIRN_UNITY_BUILD=ON &&
     cmake --build --preset sanitize &&
     ctest --preset sanitize --parallel "$(nproc)"
 }

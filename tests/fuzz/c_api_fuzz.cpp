@@ -361,5 +361,5 @@ class Run {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   using namespace cairn::fuzz;
-  return run_one_of<Run<Vehicle>, Run<Handheld>, Run<Window>>(bytes, size, 3 * kTrackerSteps);
+  return run_one_of<Run<Vehicle>, Run<Handheld>, Run<Window>>(bytes, size, 6 * kTrackerSteps);
 }

@@ -19,6 +19,9 @@ namespace cairn::fuzz {
 struct SmallConfig : TinyConfig {
   static constexpr int kMaxImageWidth = 112;
   static constexpr int kMaxImageHeight = 84;
+  static constexpr int kMaxLandmarks = 12;
+  static constexpr int kMaxFeatures = 12;
+  static constexpr int kMaxSeeds = 8;
   static constexpr int kLibraryLandmarks = 24;
   static constexpr int kMaxKeyframes = 4;
   static constexpr int kRelocalisationFeatures = 32;
@@ -27,7 +30,7 @@ struct SmallConfig : TinyConfig {
 
 inline constexpr int kPictures = 16;
 inline constexpr int kWarmFrames = 2 * kPictures;
-inline constexpr int kTrackerSteps = 12;
+inline constexpr int kTrackerSteps = 6;
 inline constexpr double kStep_m = 0.02;
 inline constexpr std::int64_t kFrameUs = 33333;
 
