@@ -81,9 +81,12 @@ std::int64_t decimal_time_us(const PictureName& name, std::size_t seconds_index)
 }
 
 bool ends_in_date_time(const PictureName& name) {
+  // 10-00-00.033: a fraction of the second behind it.
+  const bool has_fraction = name.numbers.size() > 1 && name.texts[name.numbers.size() - 1] == ".";
+  const std::size_t count = name.numbers.size() - (has_fraction ? 1 : 0);
   for (const std::vector<std::size_t>& form : kDateForms) {
-    if (name.numbers.size() < form.size()) continue;
-    const std::size_t skipped = name.numbers.size() - form.size();
+    if (count < form.size()) continue;
+    const std::size_t skipped = count - form.size();
     std::string digits;
     for (std::size_t i = 0; i < form.size() && name.numbers[skipped + i].size() == form[i]; ++i) {
       digits += name.numbers[skipped + i];

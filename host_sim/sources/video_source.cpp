@@ -52,6 +52,30 @@ std::vector<std::int64_t> times_of(const std::vector<Timed>& entries) {
   return times;
 }
 
+/// Says where more pictures are missing than there are, as where a counter began anew: which ones
+/// came first is then a guess.
+std::optional<std::string> missing_pictures(const fs::path& folder,
+                                            const std::vector<MediaFrame>& frames) {
+  constexpr std::size_t kFew = 3;
+  if (frames.size() < kFew) return std::nullopt;
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    steps.push_back(frames[i].t_us - frames[i - 1].t_us);
+  }
+  const auto largest = std::max_element(steps.begin(), steps.end());
+  const std::size_t at = static_cast<std::size_t>(largest - steps.begin());
+  const std::int64_t most_us = *largest;
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
+                   steps.end());
+  const std::int64_t usual_us = steps[steps.size() / 2];
+  if (most_us <= usual_us * static_cast<std::int64_t>(frames.size())) return std::nullopt;
+  return fmt::format(
+      "{}: no picture for {:.1f} s, between frames {} and {}: taken as a gap; where a counter "
+      "began anew, their order is another",
+      folder.string(), 1e-6 * static_cast<double>(most_us), frames[at].number,
+      frames[at + 1].number);
+}
+
 class VideoSource final : public FrameSource {
  public:
   explicit VideoSource(const VideoOptions& options) : options_(options) {
@@ -74,6 +98,10 @@ class VideoSource final : public FrameSource {
     info_.inputs.insert(info_.inputs.end(), media.inputs.begin(), media.inputs.end());
     if (times_.has_value()) info_.inputs.push_back(options.times);
     span_ = frames_span();
+    if (!times_.has_value()) {
+      const auto missing = missing_pictures(options.media, media_->frames());
+      if (missing.has_value()) info_.warnings.push_back(*missing);
+    }
     if (!options.truth.empty()) read_truth();
     if (!options.odometry.empty()) take_odometry();
   }

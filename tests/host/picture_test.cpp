@@ -295,7 +295,9 @@ TEST(PictureFolder, NamesThatCannotBeOrderedAreRefused) {
   for (const Names& dates : {Names{"IMG_20240131_235958.png", "IMG_20240131_235959.png"},
                              Names{"IMG_20240131_235959.png", "IMG_20240201_000000.png"},
                              Names{"PXL_20240131_235959123.jpg"}, Names{"20240131235959.png"},
-                             Names{"2024-01-31_23-59-58.png", "2024-01-31_23-59-59.png"}}) {
+                             Names{"2024-01-31_23-59-58.png", "2024-01-31_23-59-59.png"},
+                             Names{"2024-01-31T23-59-58.000Z.png", "2024-01-31T23-59-58.033Z.png"},
+                             Names{"20240131_235959.1.png", "20240131_235959.2.png"}}) {
     EXPECT_TRUE(says(problem(dates), {"date", "rename"}));
   }
 }

@@ -213,6 +213,18 @@ TEST(VideoSource, WarnsWhereOdometryCoversAPartAlone) {
   EXPECT_TRUE(says(source->info().warnings[0], {"odometry.csv", "51 %", "0.000 s to 0.800 s"}));
 }
 
+TEST(VideoSource, WarnsWhereMorePicturesAreMissingThanThere) {
+  const TemporaryFolder folder;
+  const VideoOptions options = pictures(folder, 8);
+  EXPECT_TRUE(make_video_source(options)->info().warnings.empty());
+  std::filesystem::rename(options.media / "7.png", options.media / "12.png");
+  EXPECT_TRUE(make_video_source(options)->info().warnings.empty());
+  std::filesystem::rename(options.media / "12.png", options.media / "9999.png");
+  const auto source = make_video_source(options);
+  ASSERT_EQ(source->info().warnings.size(), 1U);
+  EXPECT_TRUE(says(source->info().warnings[0], {"333.1 s", "between frames 6 and 9999"}));
+}
+
 TEST(VideoSource, WarnsWhereTheTruthMovesTooFast) {
   const TemporaryFolder folder;
   VideoOptions options = pictures(folder, 3);
