@@ -10,8 +10,7 @@ namespace {
 
 constexpr int kRadialSteps = 16;     // the most that random lenses take is 12
 constexpr int kTangentialSteps = 4;  // Newton: tangential terms are small beside the radial ones
-constexpr int kSlowSteps = 32;
-constexpr int kBorderPoints = 8;  // corners and middles of the sides
+constexpr int kBorderPoints = 8;     // corners and middles of the sides
 template <class T>
 constexpr T kLargestResidual_px = T(0.05);
 
@@ -111,12 +110,12 @@ bool is_before_fold(const PinholeCamera<T>& camera, T r2) {
   return most < T(1) || RadialModel<T>(camera).is_before_fold(r2);
 }
 
-/// Whether the lens rises all the way to a ray with its tangential terms, and with larger ones as
-/// between the directions that are tried.
+/// Whether the lens rises all the way to a ray with its tangential terms twice as large, as between
+/// the directions that are tried, and so that few steps find each ray.
 template <class T>
 bool rises_to(PinholeCamera<T> camera, const Vector3<T>& ray) {
   constexpr int kSteps = 24;
-  constexpr T kBetweenDirections = T(1.25);
+  constexpr T kBetweenDirections = T(2);
   camera.p1 *= kBetweenDirections;
   camera.p2 *= kBetweenDirections;
   for (int i = 1; i <= kSteps; ++i) {
@@ -129,66 +128,23 @@ bool rises_to(PinholeCamera<T> camera, const Vector3<T>& ray) {
   return true;
 }
 
-/// What a ray's distorted place lacks of the one sought, and Newton's step for it.
-template <class T>
-struct Correction {
-  Vector2<T> off;
-  Vector2<T> step;
-  bool defined;  ///< the step
-};
-
-template <class T>
-Correction<T> correction(const PinholeCamera<T>& camera, const Vector2<T>& distorted,
-                         const Vector2<T>& ray) {
-  Matrix2<T> derivative;
-  Correction<T> result;
-  result.off = distorted - distort(camera, ray.x(), ray.y(), derivative);
-  const T determinant = derivative(0, 0) * derivative(1, 1) - derivative(0, 1) * derivative(1, 0);
-  result.defined = determinant > T(0);
-  const T scale = T(1) / determinant;
-  const Vector2<T>& off = result.off;
-  result.step = {scale * (derivative(1, 1) * off.x() - derivative(0, 1) * off.y()),
-                 scale * (derivative(0, 0) * off.y() - derivative(1, 0) * off.x())};
-  return result;
-}
-
-template <class T>
-bool is_small(const PinholeCamera<T>& camera, const Vector2<T>& off) {
-  return abs(off.x()) * camera.fx <= kLargestResidual_px<T> &&
-         abs(off.y()) * camera.fy <= kLargestResidual_px<T>;
-}
-
 /// Newton's method on both coordinates, from the ray of the radial part alone. False where it does
 /// not come within kLargestResidual_px.
 template <class T>
 bool add_tangential(const PinholeCamera<T>& camera, const Vector2<T>& distorted, Vector2<T>& ray) {
+  Matrix2<T> derivative;
   for (int i = 0; i < kTangentialSteps; ++i) {
-    const Correction<T> now = correction(camera, distorted, ray);
-    if (!now.defined) return false;
-    ray += now.step;
+    const Vector2<T> off = distorted - distort(camera, ray.x(), ray.y(), derivative);
+    const T determinant = derivative(0, 0) * derivative(1, 1) - derivative(0, 1) * derivative(1, 0);
+    if (!(determinant > T(0))) return false;
+    const T scale = T(1) / determinant;
+    ray.x() += scale * (derivative(1, 1) * off.x() - derivative(0, 1) * off.y());
+    ray.y() += scale * (derivative(0, 0) * off.y() - derivative(1, 0) * off.x());
   }
-  return is_small(camera, correction(camera, distorted, ray).off) &&
+  const Vector2<T> off = distorted - distort(camera, ray.x(), ray.y(), derivative);
+  return abs(off.x()) * camera.fx <= kLargestResidual_px<T> &&
+         abs(off.y()) * camera.fy <= kLargestResidual_px<T> &&
          is_before_fold(camera, ray.squaredNorm());
-}
-
-/// The same where the lens is steep: a step that leaves the lens or leads away is halved.
-template <class T>
-bool add_tangential_slowly(const PinholeCamera<T>& camera, const Vector2<T>& distorted,
-                           Vector2<T>& ray) {
-  Correction<T> now = correction(camera, distorted, ray);
-  T share = T(1);
-  for (int i = 0; i < kSlowSteps; ++i) {
-    if (!now.defined) return false;
-    const Vector2<T> next = ray + share * now.step;
-    share *= T(0.5);
-    if (!is_before_fold(camera, next.squaredNorm())) continue;
-    const Correction<T> then = correction(camera, distorted, next);
-    if (!(then.off.squaredNorm() < now.off.squaredNorm())) continue;
-    ray = next;
-    now = then;
-    share = T(1);
-  }
-  return is_small(camera, now.off);
 }
 
 }  // namespace
@@ -290,14 +246,7 @@ Status PinholeCamera<T>::unproject(const Vector2<T>& pixel, Vector3<T>& ray) con
     found = RadialModel<T>(*this).invert(radius, r);
   }
   Vector2<T> flat = distorted * (r / radius);
-  if (found && (p1 != T(0) || p2 != T(0))) {
-    const Vector2<T> radial = flat;
-    found = add_tangential(*this, distorted, flat);
-    if (!found) {
-      flat = radial;
-      found = add_tangential_slowly(*this, distorted, flat);
-    }
-  }
+  if (found && (p1 != T(0) || p2 != T(0))) found = add_tangential(*this, distorted, flat);
   ray = {flat.x(), flat.y(), T(1)};
   return found ? Status::kOk : Status::kOutOfView;
 }

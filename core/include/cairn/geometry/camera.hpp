@@ -76,7 +76,7 @@ struct PinholeCamera {
   /// within 0.05 px (double: 1e-3 px where |p1|, |p2| <= 0.02). kOutOfView where no ray has this
   /// pixel; `ray` is then the outermost one in its direction. Inside the image of a camera that
   /// validate() accepts there always is one. Cost: at most 16 + 4 steps of Newton's method, 24 + 4
-  /// of a rational or a fisheye lens; 32 more where tangential terms meet a steep lens.
+  /// of a rational or a fisheye lens.
   Status unproject(const Vector2<T>& pixel, Vector3<T>& ray) const;
 
   /// The same ray without the status.
