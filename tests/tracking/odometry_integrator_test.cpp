@@ -221,5 +221,17 @@ TEST_F(AVehicleWithOdometry, GoesOnAfterAGapOfAnyLength) {
   }
 }
 
+/// Of a vehicle that turns by more than half a turn while nothing is heard of it.
+TEST_F(AVehicleWithOdometry, GoesOnAfterAGapInAFastTurn) {
+  for (const std::int64_t gap_us : {3500000, 4000000, 9000000}) {
+    SetUp();
+    ASSERT_TRUE(ok(add(kPeriodUs, 0.1F, 1.0F)));
+    ASSERT_TRUE(ok(add(2 * kPeriodUs, 0.1F, 1.0F)));
+    EXPECT_EQ(add(2 * kPeriodUs + gap_us, 0.1F, 1.0F), Status::kTimeGap) << gap_us;
+    EXPECT_TRUE(ok(add(3 * kPeriodUs + gap_us, 0.1F, 1.0F))) << gap_us;
+    EXPECT_GT(filter_.pose_covariance()(2, 2), 0.5F) << gap_us;
+  }
+}
+
 }  // namespace
 }  // namespace cairn

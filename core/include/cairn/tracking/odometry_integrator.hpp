@@ -5,6 +5,7 @@
 #include "cairn/base/health.hpp"
 #include "cairn/base/status.hpp"
 #include "cairn/base/time.hpp"
+#include "cairn/numeric/math.hpp"
 #include "cairn/planar/increment.hpp"
 #include "cairn/planar/types.hpp"
 #include "cairn/tracking/frame_report.hpp"
@@ -186,7 +187,12 @@ Status OdometryIntegrator::add(const OdometrySample& sample, Filter& filter, Hea
 template <class Filter>
 Status OdometryIntegrator::move(const PlanarIncrement<float>& increment, float step_s,
                                 Filter& filter) {
-  const Status moved = filter.predict(increment);
+  // Over a gap readings may add up to more than half a turn, which no filter takes in one step.
+  PlanarIncrement<float> within = increment;
+  if (abs(within.turn_rad) > kPi<float>) {
+    within.turn_rad = within.turn_rad > 0.0F ? kPi<float> : -kPi<float>;
+  }
+  const Status moved = filter.predict(within);
   if (!ok(moved)) return moved;
   yaw_variance_ += increment.covariance(1, 1);
   return filter.slip_laterally(motion_.lateral_slip_over(step_s));
