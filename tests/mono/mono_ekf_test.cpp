@@ -35,7 +35,12 @@ TYPED_TEST(MonoEkfContract, RefusesImpossibleConfiguration) {
   parameters.sigma_px = std::numeric_limits<TypeParam>::quiet_NaN();
   EXPECT_EQ(filter.initialise(camera, parameters), Status::kBadConfig);
   parameters = {};
-  parameters.fading_factor = TypeParam(0.9);
+  for (const double factor : {0.9, 1e30}) {
+    parameters.fading_factor = TypeParam(factor);
+    EXPECT_EQ(filter.initialise(camera, parameters), Status::kBadConfig);
+  }
+  parameters = {};
+  parameters.initial_inverse_depth = TypeParam(1e-30);
   EXPECT_EQ(filter.initialise(camera, parameters), Status::kBadConfig);
   for (TypeParam MonoParameters<TypeParam>::*sigma :
        {&MonoParameters<TypeParam>::velocity_noise,

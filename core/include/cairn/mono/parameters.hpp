@@ -81,6 +81,8 @@ struct MonoParameters {
   /// Largest standard deviation, noise, length or inverse depth: its square times a long step stays
   /// a number.
   static constexpr T kLargest = T(1e6);
+  /// Largest factor of the fading memory: what it fades stays a number.
+  static constexpr T kLargestFading = T(1e3);
 
   /// kBadConfig unless every value is finite and inside its domain.
   Status validate() const {
@@ -105,9 +107,11 @@ struct MonoParameters {
       if (!(abs(lever_m(i)) <= kLargest)) return Status::kBadConfig;
     }
     const bool good =
-        fading_factor >= T(1) && adaptive_max_factor >= T(1) && adaptive_memory < T(1) &&
-        focal_sigma < T(0.5) && ransac.max_hypotheses >= 1 && ransac.min_inliers >= 1 &&
-        ransac.probability > 0.0F && ransac.probability < 1.0F && ransac.min_inlier_share >= 0.0F &&
+        fading_factor >= T(1) && fading_factor <= kLargestFading && adaptive_max_factor >= T(1) &&
+        adaptive_max_factor <= kLargestFading && adaptive_memory < T(1) &&
+        initial_inverse_depth >= T(1) / kLargest && focal_sigma < T(0.5) &&
+        ransac.max_hypotheses >= 1 && ransac.min_inliers >= 1 && ransac.probability > 0.0F &&
+        ransac.probability < 1.0F && ransac.min_inlier_share >= 0.0F &&
         ransac.min_inlier_share <= 1.0F && max_conversions_per_update >= 0 && max_triples >= 0 &&
         is_finite(enough_inlier_share) && enough_inlier_share >= T(0);
     return good ? Status::kOk : Status::kBadConfig;
