@@ -32,12 +32,14 @@ class WindowMeasurement {
     int guided_inliers = 5;         ///< with a gyroscope that agrees, in place of min_inliers
     float min_inlier_share = 0.4F;  ///< of those found
     float known_depth = 0.3F;       ///< relative sigma below which a depth counts as known
+    float sure_share = 0.8F;        ///< of the latest matches that agree, for a pose to be sure
 
     /// kBadConfig unless every value is finite and in its domain.
     Status validate() const {
       const bool good = min_inliers >= 4 && guided_inliers >= 4 && is_finite(min_inlier_share) &&
                         min_inlier_share >= 0.0F && min_inlier_share <= 1.0F &&
-                        is_positive(known_depth);
+                        is_positive(known_depth) && is_finite(sure_share) && sure_share >= 0.0F &&
+                        sure_share <= 1.0F;
       return good ? Status::kOk : Status::kBadConfig;
     }
   };
@@ -62,6 +64,7 @@ class WindowMeasurement {
     exposures_.reset(times, camera.width, camera.height);
     covariance_.setZero();
     inliers_ = 0;
+    forget_agreement();
   }
 
   /// Searches features, the first in wide windows. Where those agree on a pose, the others are
@@ -72,13 +75,18 @@ class WindowMeasurement {
   bool estimate(const Scene& scene, const Rigid<float>& predicted, Rigid<float>& pose);
   /// After estimate(), where its pose is taken: features learn whether they agree with it.
   void note_agreement(FrameContext& frame, Features& features) const;
-  /// The same: half of the inliers have a depth that is known, or enough of them the library's.
-  bool depths_hold(const Features& features, const Window& window) const;
+  /// The same: the latest matches agree, and half of the inliers have a depth that is known, or
+  /// enough of them the library's. A map that is wrong explains what is near its start; what it
+  /// does not explain shows as matches that disagree, many more than are mismatched.
+  bool sure(const Features& features, const Window& window) const;
   /// A new map begins with the frame, whose pose is exact in it.
   void begin_anew() {
     exposures_.forget_motion();
     covariance_.setZero();
+    forget_agreement();
   }
+  /// What follows is measured in another map.
+  void forget_agreement() { agreed_ = compared_ = 0.0F; }
   /// The pose found becomes that of the frame.
   void expose(const CameraTrack& track, const Rigid<float>& pose) {
     exposures_.expose(track.movement_to(pose));
@@ -103,12 +111,15 @@ class WindowMeasurement {
   Rigid<float> search_from(const Scene& scene, const Rigid<float>& predicted) const;
   int gather(const Scene& scene, const Rigid<float>& pose);
   WindowPoseOptions<float> options(const Scene& scene, const Rigid<float>& predicted) const;
+  void note_matches(int found);
 
   Parameters parameters_;
   WindowExposures exposures_;
   Matrix<float, 6, 6> covariance_ = Matrix<float, 6, 6>::Zero();
   float guided_information_ = 0.0F;  ///< of the frame's attitude, that a gyroscope added
   int inliers_ = 0;
+  float agreed_ = 0.0F;    ///< matches of the latest frames that agreed with the pose found
+  float compared_ = 0.0F;  ///< all of them
   WindowSighting<float> sightings_[kMaxFeatures];
   int sighted_[kMaxFeatures] = {};  ///< feature of each
 };

@@ -100,7 +100,7 @@ Status WindowTracker<Config>::track(FrameContext& frame, const FrameStep& step, 
     accept(frame, pose);
     drop_missed(frame, pose);
     if (!takes_points_) keep_keyframes(frame);
-    const bool sure = measurement_.depths_hold(features_, window_) && !memory_.astray();
+    const bool sure = measurement_.sure(features_, window_) && !memory_.astray();
     state_ = sure ? TrackingState::kTracking : TrackingState::kUncertain;
   } else {
     status = found < parameters_.min_inliers ? Status::kLowTexture : Status::kNoConsensus;

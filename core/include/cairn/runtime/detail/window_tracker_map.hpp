@@ -111,6 +111,7 @@ void WindowTracker<Config>::return_to_map(FrameContext& frame) {
   track_.stand_at(memory_.place().T_map_camera.inverse());
   track_.forget_velocity();
   measurement_.exposures().forget_motion();
+  measurement_.forget_agreement();
   window_.clear(parameters_.window.first_inverse_depth);
   follow_focal();
   features_.clear();

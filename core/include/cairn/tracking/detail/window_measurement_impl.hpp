@@ -144,10 +144,18 @@ bool WindowMeasurement<Config>::estimate(const Scene& scene, const Rigid<float>&
       for (int i = 0; i < found; ++i) sightings_[i].inlier = inlier[i];
     }
   }
+  note_matches(found);
   const int least =
       scene.track.gyro().sure() ? parameters_.guided_inliers : parameters_.min_inliers;
   return inliers_ >= least &&
          static_cast<float>(inliers_) >= parameters_.min_inlier_share * static_cast<float>(found);
+}
+
+template <class Config>
+void WindowMeasurement<Config>::note_matches(int found) {
+  constexpr float kKept = 0.8F;  // five frames
+  agreed_ = kKept * agreed_ + static_cast<float>(inliers_ > 0 ? inliers_ : 0);
+  compared_ = kKept * compared_ + static_cast<float>(found);
 }
 
 template <class Config>
@@ -168,7 +176,8 @@ void WindowMeasurement<Config>::note_agreement(FrameContext& frame, Features& fe
 }
 
 template <class Config>
-bool WindowMeasurement<Config>::depths_hold(const Features& features, const Window& window) const {
+bool WindowMeasurement<Config>::sure(const Features& features, const Window& window) const {
+  if (agreed_ < parameters_.sure_share * compared_) return false;
   int from_library = 0;
   int known = 0;
   for (int i = 0; i < features.size(); ++i) {
