@@ -202,7 +202,7 @@ ExitCode run_cut(const RelocalisationOptions& options, const std::string& comman
   if (options.trials.has_value()) settings.trials = *options.trials;
   if (!options.lengths.empty()) settings.lengths = options.lengths;
   const auto source =
-      make_seven_scenes_source(options.source.substr(std::string(kSevenScenes).size()), {});
+      make_seven_scenes_source(options.source.substr(std::string(kSevenScenes).size()), {}, {});
   make_folder(options.out);
   PartialResult part = make_partial("relocalisation",
                                     {{"trials_of", "cut"},

@@ -120,7 +120,7 @@ const std::vector<RunKind>& run_kinds() {
       {"hall-small", "", run_hall_small, hall},
       {"hall-hand", "", run_hall_hand, joined(picture_options(), {"--readout"})},
       {"stress", "FIELDS", run_stress, stress},
-      {"seven-scenes", "DIR", run_seven_scenes, picture_options()},
+      {"seven-scenes", "DIR", run_seven_scenes, joined(picture_options(), {"--camera"})},
       {"tag-board", "DIR", run_tag_board, picture_options()},
       {"kitti", "DIR", run_kitti, picture_options()},
       {"tum-rgbd", "DIR", run_tum_rgbd, joined(picture_options(), {"--camera"})},

@@ -77,7 +77,9 @@ ExitCode run_stress(const RunOptions& options, const std::string& fields) {
 }
 
 ExitCode run_seven_scenes(const RunOptions& options, const std::string& folder) {
-  return run_source(make_seven_scenes_source(folder, range_of(options)), options);
+  return run_source(
+      make_seven_scenes_source(folder, options.camera, range_of(options), lens_check(options)),
+      options);
 }
 
 ExitCode run_tag_board(const RunOptions& options, const std::string& folder) {

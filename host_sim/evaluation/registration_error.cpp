@@ -40,15 +40,23 @@ class Evaluator {
       if (known == anchors.end() ? well_seen(view)
                                  : known->second.frames < settings_.anchor_frames) {
         Anchor& anchor = anchors[view.id];
-        anchor.sum += *frame.T_world_camera * (scale * view.p_camera).eval();
+        anchor.sum +=
+            *frame.T_world_camera * (scale * across(view.p_camera, 1.0 / frame.focal_scale)).eval();
         ++anchor.frames;
       } else if (known != anchors.end()) {
         const Anchor& anchor = known->second;
-        sum += distance_px(T_camera_world * (anchor.sum / anchor.frames).eval(), view.pixel);
+        const Vector3<double> p_camera = T_camera_world * (anchor.sum / anchor.frames).eval();
+        sum += distance_px(across(p_camera, frame.focal_scale), view.pixel);
         ++count;
       }
     }
     return count > 0 ? std::optional<double>(sum / count) : std::nullopt;
+  }
+
+  /// A camera whose focal length is longer by a factor sees a point where the told camera sees the
+  /// one that lies as many times as far from its axis.
+  static Vector3<double> across(const Vector3<double>& p, double factor) {
+    return {factor * p.x(), factor * p.y(), p.z()};
   }
 
   bool well_seen(const ScenePointView& view) const {

@@ -14,6 +14,9 @@ namespace cairn::host {
 struct RegistrationInput {
   std::optional<Rigid<double>> T_world_camera;  ///< estimate; nothing while there is none
   std::vector<ScenePointView> views;
+  /// Of the camera that objects are drawn with, as a factor on the one that was told. The pose that
+  /// was estimated with it goes with it alone.
+  double focal_scale = 1.0;
 };
 
 struct RegistrationSettings {
@@ -37,6 +40,8 @@ struct RegistrationResult {
 /// the norm that its text states). Every scene point is anchored in the map at its true place
 /// relative to the camera, carried by the estimated pose; from then on its true pixel is compared
 /// with its projection by the estimated pose: what a user sees as a virtual object that drifts.
+/// Where the tracker estimates the focal length, the place is that which the picture and the true
+/// depth give through its camera, and it is projected by that.
 RegistrationResult evaluate_registration(const std::vector<RegistrationInput>& frames,
                                          const PinholeCamera<double>& camera,
                                          const RegistrationSettings& settings);

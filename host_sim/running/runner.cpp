@@ -165,6 +165,9 @@ class FrameLoop {
     RegistrationInput registration;
     registration.views = frame.scene_points;
     if (entry.has_pose()) registration.T_world_camera = to_double(entry.report.T_map_camera);
+    if (const auto focal = tracker_.focal_scale(); focal.has_value()) {
+      registration.focal_scale = static_cast<double>(focal->value);
+    }
     record_.registration_input.push_back(std::move(registration));
     draw(frame, entry);
     record_.frames.push_back(entry);

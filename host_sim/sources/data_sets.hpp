@@ -13,9 +13,12 @@ namespace cairn::host {
 /// Recorded data sets in the folders' own formats. Each throws InputError naming file, line and
 /// what was expected. docs/reference/command-line.md lists the files.
 
-/// 7-Scenes: `frame-N.color.png|jpg` with `frame-N.pose.txt`; fx = fy = 520, 640x480, 30 Hz.
+/// 7-Scenes: `frame-N.color.png|jpg` with `frame-N.pose.txt`, 30 Hz; the camera is `camera_file`
+/// or, when that is empty, the one of its authors, fx = fy = 520, 640x480.
 std::unique_ptr<FrameSource> make_seven_scenes_source(const std::filesystem::path& folder,
-                                                      const FrameRange& range);
+                                                      const std::filesystem::path& camera_file,
+                                                      const FrameRange& range,
+                                                      LensCheck lens = LensCheck::kWholePicture);
 
 /// Desk with an AprilTag board: `gray/N.png`, `cam.json`, `cMo_grid.csv`, `tag_corners.csv`. The
 /// world is the board; the tags' corners are the scene points. The rate is not stated: 30 Hz.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "host_sim/io/camera_file.hpp"
 #include "host_sim/io/picture_folder.hpp"
 #include "host_sim/io/pose_file.hpp"
 #include "host_sim/io/text_file.hpp"
@@ -11,15 +12,24 @@
 namespace cairn::host {
 
 std::unique_ptr<FrameSource> make_seven_scenes_source(const std::filesystem::path& folder,
-                                                      const FrameRange& range) {
+                                                      const std::filesystem::path& camera_file,
+                                                      const FrameRange& range, LensCheck lens) {
   require_folder(folder, "a folder with frame-N.color.png or .jpg and frame-N.pose.txt");
   SourceInfo info;
   info.name = "seven-scenes";
-  info.camera.fx = info.camera.fy = 520.0;
-  info.camera.cx = 320.0;
-  info.camera.cy = 240.0;
-  info.camera.width = 640;
-  info.camera.height = 480;
+  if (camera_file.empty()) {
+    info.camera.fx = info.camera.fy = 520.0;
+    info.camera.cx = 320.0;
+    info.camera.cy = 240.0;
+    info.camera.width = 640;
+    info.camera.height = 480;
+  } else {
+    const CameraFile file = read_camera_file(camera_file, lens);
+    info.camera = file.camera;
+    info.focal_sigma = file.focal_sigma;
+    info.readout = file.readout;
+    info.inputs.push_back(camera_file);
+  }
   info.frame_rate_hz = 30.0;
   info.note = "times from the frame numbers at 30 Hz";
   std::vector<SequenceFrame> frames;

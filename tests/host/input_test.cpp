@@ -53,7 +53,7 @@ TEST(SevenScenes, NumbersMayStartAnywhere) {
     cv::imwrite((folder.path() / (std::string(name) + ".color.png")).string(), image);
     folder.write(std::string(name) + ".pose.txt", pose_text(number));
   }
-  const auto source = make_seven_scenes_source(folder.path(), {151, 2});
+  const auto source = make_seven_scenes_source(folder.path(), {}, {151, 2});
   EXPECT_EQ(source->info().frame_count, 2);
   Frame frame;
   ASSERT_TRUE(source->next(frame));
@@ -65,11 +65,11 @@ TEST(SevenScenes, NumbersMayStartAnywhere) {
   EXPECT_EQ(frame.number, 153);
   EXPECT_FALSE(source->next(frame));
   EXPECT_TRUE(says(message_of([&] {
-                     make_seven_scenes_source(folder.path(), {900, {}});
+                     make_seven_scenes_source(folder.path(), {}, {900, {}});
                    }),
                    {"900", "none"}));
   folder.write("frame-000151.pose.txt", "1 0 0 0\n0 1 zero 0\n0 0 1 0\n0 0 0 1\n");
-  EXPECT_TRUE(says(message_of([&] { make_seven_scenes_source(folder.path(), {}); }),
+  EXPECT_TRUE(says(message_of([&] { make_seven_scenes_source(folder.path(), {}, {}); }),
                    {"frame-000151.pose.txt:2", "'zero'"}));
 }
 

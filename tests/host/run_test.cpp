@@ -147,6 +147,20 @@ TEST(RegistrationError, FindsTheOneScaleThatVideoDoesNotGive) {
   EXPECT_NEAR(*result.frame_px[9], 0.0, 0.01);
 }
 
+/// A camera whose focal length is taken for a tenth longer sees all points a tenth nearer to its
+/// axis: an object at the point's depth stays on it as long as pose and camera agree.
+TEST(RegistrationError, IsOfTheCameraThatObjectsAreDrawnWith) {
+  auto frames = sliding_camera(1.0, 0.0);
+  for (RegistrationInput& frame : frames) {
+    frame.focal_scale = 1.1;
+    frame.T_world_camera->translation.x() /= 1.1;
+  }
+  const auto own = evaluate_registration(frames, test_camera(), {});
+  for (int i = 1; i < 10; ++i) EXPECT_NEAR(*own.frame_px[i], 0.0, 1e-9);
+  for (RegistrationInput& frame : frames) frame.focal_scale = 1.0;
+  EXPECT_GT(*evaluate_registration(frames, test_camera(), {}).frame_px[9], 5.0);
+}
+
 TEST(RegistrationError, LostFramesHaveNone) {
   auto frames = sliding_camera(1.0, 0.0);
   frames[3].T_world_camera.reset();
