@@ -66,6 +66,16 @@ class FixedSeedDepth : public ::testing::Test {
       EXPECT_NEAR(own_[i].pixel.x(), pool_[i].pixel.x(), 0.02F) << i;
     }
   }
+  void expect_turned_alike() {
+    Quaternion<float> turn;
+    Quaternion<float> own_turn;
+    float variance = 0.0F;
+    float own_variance = 0.0F;
+    ASSERT_TRUE(pool_.turn_since(kKeyframe, turn, variance));
+    ASSERT_TRUE(own_.turn_since(kKeyframe, own_turn, own_variance));
+    EXPECT_LT(own_turn.angularDistance(turn), 1e-4F);
+    EXPECT_NEAR(own_variance, variance, 0.01F * variance + 1e-10F);
+  }
   /// Takes those that have converged out of both; returns how many.
   int take_alike() {
     int taken = 0;
@@ -123,10 +133,18 @@ TEST_F(FixedSeedDepth, IsThatOfFloatWhereTheReportedTurnIsWrong) {
                                  T.translation};
     follow(T, reported);
     expect_alike();
+    expect_turned_alike();
     landmarks += take_alike();
   }
   EXPECT_GE(landmarks, 3);
   EXPECT_EQ(own_.saturations(), 0U);
+}
+
+TEST_F(FixedSeedDepth, TellsNoTurnSinceAnotherKeyframe) {
+  start();
+  Quaternion<float> turn;
+  float variance = 0.0F;
+  EXPECT_FALSE(own_.turn_since(kKeyframe + 1, turn, variance));
 }
 
 /// Only the motion of the poses counts, and not where they are.

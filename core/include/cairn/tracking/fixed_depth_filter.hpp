@@ -13,6 +13,7 @@ class FixedDepthFilter {
   static constexpr int kStates = 2 + 2 * Keyframes + Seeds;
 
   using Rho = Fixed<std::int64_t, 32>;  ///< 1/m; rad of a rotation's correction
+  using Variance = Fixed<std::int64_t, 44>;
 
   /// As DepthFilter::Correction.
   struct Correction {
@@ -79,6 +80,19 @@ class FixedDepthFilter {
     std::uint32_t none = 0;
     return Rho::from_raw(
         wide::scale(root.mantissa, Rho::kFractionBits - root.bits - P_.scale(state), none));
+  }
+
+  /// Of the camera's yaw since keyframe k, rad^2.
+  Variance yaw_variance(int k) const {
+    const int now = 1;
+    const int then = 3 + 2 * k;
+    std::uint32_t none = 0;
+    const auto term = [&](int i, int j, int doublings) {
+      const int shift = Variance::kFractionBits + doublings - P_.scale(i) - P_.scale(j);
+      return wide::scale(P_.mantissa(i, j), shift, none);
+    };
+    const std::int64_t both = wide::add(term(now, now, 0), term(then, then, 0), none);
+    return Variance::from_raw(wide::add(both, -term(then, now, 1), none));
   }
 
   /// Innovation covariance of a residual; `sigma`: of a pixel over the focal lengths.

@@ -60,8 +60,8 @@ class FixedSeedOdometry {
     return filter_.sigma(seed).raw() <= most;
   }
   Rigid<float> T_camera_first(const Seed& seed) const;
-  /// Not told in fixed point.
-  bool turn_since(LandmarkId, Quaternion<float>&, float&) const { return false; }
+  /// As SeedPool::turn_since().
+  bool turn_since(LandmarkId keyframe, Quaternion<float>& now_then, float& yaw_variance) const;
 
   void move_to(const FixedRigid& T_odometry_camera, const SeedParameters& parameters);
   void stand_at(const FixedRigid& T_odometry_camera) { T_odometry_last_ = T_odometry_camera; }
@@ -112,6 +112,12 @@ class FixedSeedOdometry {
     FixedTangent sigma[2];  ///< of a pixel over the focal lengths
   };
 
+  /// The camera's rotation back; its translation is not that of an inverse.
+  FixedRigid back() const {
+    FixedRigid inverse = T_pool_camera_;
+    for (int i = 1; i < 4; ++i) inverse.rotation[i] = -inverse.rotation[i];
+    return inverse;
+  }
   static Rho rho_of(const Seed& seed, std::uint32_t& lost) { return fixed_of<Rho>(seed.rho, lost); }
   bool expect(const View& view, const Seeds& seeds, int i, Expected& expected) const;
   bool off_median(const View& view, const Seeds& seeds, const Vector2<float>* pixels,

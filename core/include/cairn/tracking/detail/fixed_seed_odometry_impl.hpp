@@ -8,14 +8,22 @@ template <int MaxSeeds, int MaxKeyframes>
 Rigid<float> FixedSeedOdometry<MaxSeeds, MaxKeyframes>::T_camera_first(const Seed& seed) const {
   const FixedRigid& first = keyframes_[seed.keyframe].T_pool_camera;
   const detail::FixedMotionBetween motion = detail::motion_between(T_pool_camera_, first, lost_);
-  FixedRigid out;
-  // The rotation of a product with the inverse, whose vector has the other sign.
-  FixedRigid inverse = T_pool_camera_;
-  for (int i = 1; i < 4; ++i) inverse.rotation[i] = -inverse.rotation[i];
   std::uint32_t none = 0;
-  out = inverse.times(first, none);
+  FixedRigid out = back().times(first, none);
   for (int i = 0; i < 3; ++i) out.translation[i] = convert<FixedCoordinate>(motion.t[i], none);
   return float_of(out);
+}
+
+template <int MaxSeeds, int MaxKeyframes>
+bool FixedSeedOdometry<MaxSeeds, MaxKeyframes>::turn_since(LandmarkId keyframe,
+                                                           Quaternion<float>& now_then,
+                                                           float& yaw_variance) const {
+  const int slot = find_keyframe(keyframe);
+  if (slot < 0) return false;
+  std::uint32_t none = 0;
+  now_then = float_of(back().times(keyframes_[slot].T_pool_camera, none)).rotation;
+  yaw_variance = float_of(filter_.yaw_variance(slot));
+  return true;
 }
 
 template <int MaxSeeds, int MaxKeyframes>
