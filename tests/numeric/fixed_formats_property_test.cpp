@@ -139,14 +139,39 @@ TEST(FixedFormatsProperty, TurnsKeepLengths) {
   EXPECT_TRUE(rc::check([] {
     const auto part = [](int bits) { return static_cast<std::int32_t>(*operand_of(bits)); };
     const PlaneRotation by = rotation_onto(part(30), part(30));
-    std::int32_t a = part(30);
-    std::int32_t b = part(30);
+    std::int32_t a = part(29);
+    std::int32_t b = part(29);
     const Int128 before = Int128{a} * a + Int128{b} * b;
     rotate(by, &a, &b, 1);
     const Int128 after = Int128{a} * a + Int128{b} * b;
     // 5e-9 of the square, and a unit of each part.
     const auto longest = static_cast<std::int64_t>(std::sqrt(static_cast<double>(before))) + 2;
     RC_ASSERT(magnitude128(after - before) <= before / 200000000 + 4 * Int128{longest});
+  }));
+}
+
+TEST(FixedFormatsProperty, TurnsAreTheNearestAndMakeNothingOfNothing) {
+  EXPECT_TRUE(rc::check([] {
+    const auto part = [](int bits) { return static_cast<std::int32_t>(*operand_of(bits)); };
+    const PlaneRotation by = rotation_onto(part(30), part(30));
+    const std::int32_t x = part(29);
+    const std::int32_t y = part(29);
+    const auto off = [](std::int32_t result, Int128 exact) {
+      return magnitude128((Int128{result} << 30) - exact);
+    };
+    // Half a unit, and what a factor of 1 is less by.
+    constexpr Int128 kUnit = (Int128{1} << 29) + (Int128{1} << 28);
+    std::int32_t a[2] = {x, 0};
+    std::int32_t b[2] = {y, 0};
+    rotate(by, a, b, 2);
+    RC_ASSERT(off(a[0], Int128{by.cosine} * x + Int128{by.sine} * y) <= kUnit);
+    RC_ASSERT(off(b[0], Int128{by.cosine} * y - Int128{by.sine} * x) <= kUnit);
+    RC_ASSERT(a[1] == 0 && b[1] == 0);
+    std::int32_t from[1] = {x};
+    std::int32_t only[1] = {y};
+    turn_from_nothing(by, from, only, 1);
+    RC_ASSERT(off(from[0], Int128{by.sine} * y) <= Int128{1} << 29);
+    RC_ASSERT(off(only[0], Int128{by.cosine} * y) <= Int128{1} << 29);
   }));
 }
 

@@ -33,7 +33,7 @@ Factor any_factor() {
     for (int j = 0; j <= i; ++j) row[j] = *operand_of(30);
     S.append(
         *rc::gen::inRange(24, 44), [&](int j) { return row[j]; }, count, 2);
-    S.make_room(i, -2 * S.bits(i) + 57, count, 2);
+    S.make_room(i, -2 * S.bits(i) + 57, count);
   }
   return S;
 }

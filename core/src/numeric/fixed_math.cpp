@@ -13,19 +13,20 @@ constexpr std::int32_t q30(double value) {
 }
 /// a b with 30 fraction bits each, and in the product.
 std::int32_t times(std::int32_t a, std::int32_t b) {
-  return static_cast<std::int32_t>(wide::round_shift(std::int64_t{a} * b, 30));
+  return static_cast<std::int32_t>(wide::round_shift_far(std::int64_t{a} * b, 30));
 }
 
-/// 2^15 / sqrt(m) at the middles of the 96 intervals of width 1/32 from 1 to 4.
+/// 2^15 / sqrt(m) at the middles of the 192 intervals of width 1/64 from 1 to 4: two Newton steps
+/// from there are right to 8e-10.
 struct RootTable {
-  std::uint16_t seeds[96] = {};
+  std::uint16_t seeds[192] = {};
   constexpr RootTable() {
-    for (int k = 0; k < 96; ++k) {
-      const std::uint64_t middle = 65 + 2 * static_cast<std::uint64_t>(k);  // of 64
+    for (int k = 0; k < 192; ++k) {
+      const std::uint64_t middle = 129 + 2 * static_cast<std::uint64_t>(k);  // of 128
       // Largest s with s^2 m <= 2^30.
       std::uint64_t s = 0;
       for (std::uint64_t bit = 1U << 15U; bit > 0; bit >>= 1U) {
-        if ((s + bit) * (s + bit) * middle <= std::uint64_t{1} << 36U) s += bit;
+        if ((s + bit) * (s + bit) * middle <= std::uint64_t{1} << 37U) s += bit;
       }
       seeds[k] = static_cast<std::uint16_t>(s);
     }
@@ -33,18 +34,28 @@ struct RootTable {
 };
 constexpr RootTable kRootTable;
 
-/// 2^31 / sqrt(m / 2^30) of m in [2^30, 2^32).
-std::uint32_t inverse_root(std::uint32_t m) {
-  std::uint32_t y = static_cast<std::uint32_t>(kRootTable.seeds[(m >> 25U) - 32]) << 16U;
-  for (int i = 0; i < 3; ++i) {
-    // y <- y (3 - m y^2) / 2; y^2 with 30 fraction bits, m y^2 near 1 with 30.
-    const auto squared = static_cast<std::uint32_t>((std::uint64_t{y} * y + (1U << 31U)) >> 32U);
-    const auto product =
-        static_cast<std::uint32_t>((std::uint64_t{m} * squared + (1U << 29U)) >> 30U);
-    const std::uint32_t factor = (3U << 30U) - product;
-    y = static_cast<std::uint32_t>((std::uint64_t{y} * factor + (1U << 30U)) >> 31U);
-  }
-  return y;
+/// y (3 - m y^2) / 2, a Newton step to 1 / sqrt(m), of a y with 31 fraction bits and its square
+/// with 30.
+std::uint32_t root_step(std::uint32_t m, std::uint32_t y, std::uint32_t squared) {
+  const auto product =
+      static_cast<std::uint32_t>((std::uint64_t{m} * squared + (1U << 29U)) >> 30U);
+  const std::uint32_t factor = (3U << 30U) - product;
+  return static_cast<std::uint32_t>((std::uint64_t{y} * factor + (1U << 30U)) >> 31U);
+}
+
+/// 2^31 / sqrt(m / 2^30) of m in [2^30, 2^32), below 2^31.
+std::int32_t inverse_root(std::uint32_t m) {
+  const std::uint32_t seed = kRootTable.seeds[(m >> 24U) - 64];
+  std::uint32_t y = root_step(m, seed << 16U, seed * seed);
+  y = root_step(m, y, static_cast<std::uint32_t>((std::uint64_t{y} * y + (1U << 31U)) >> 32U));
+  return y > INT32_MAX ? INT32_MAX : static_cast<std::int32_t>(y);
+}
+
+/// A factor near [-1, 1] with 31 fraction bits instead of 30.
+constexpr std::int32_t with_31_bits(std::int32_t factor) {
+  constexpr std::int32_t kOne = 1 << 30;
+  if (factor >= kOne) return INT32_MAX;
+  return factor < -kOne ? INT32_MIN : 2 * factor;
 }
 
 constexpr int kRootCorrections = 8;
@@ -170,7 +181,7 @@ FixedRoot square_root(std::int64_t value, int bits) {
   // scaled = m 2^(2 half): its root by the inverse's, right to two units.
   const int half = (wide::bit_length(scaled) - 1) / 2 - 15;
   const std::uint32_t m = static_cast<std::uint32_t>(scaled >> (2 * half));
-  const std::uint64_t product = std::uint64_t{m} * inverse_root(m);
+  const std::uint64_t product = std::uint64_t{m} * static_cast<std::uint32_t>(inverse_root(m));
   std::uint64_t root = product >> (46 - half);
   for (int i = 0; i < kRootCorrections && root * root > scaled; ++i) --root;
   for (int i = 0; i < kRootCorrections && (root + 1) * (root + 1) <= scaled; ++i) ++root;
@@ -181,35 +192,59 @@ FixedRoot square_root(std::int64_t value, int bits) {
 }
 
 PlaneRotation rotation_onto(std::int32_t a, std::int32_t b) {
-  PlaneRotation rotation;
+  if (b == 0 && a >= 0) return {};
+  // Of the longer one 30 bits: the square of both lies in [2^58, 2^61).
+  const auto longer = static_cast<std::uint32_t>(wide::magnitude(a) | wide::magnitude(b));
+  const int doublings = __builtin_clz(longer) - 2;
+  if (doublings < 0) {
+    a /= 2;
+    b /= 2;
+  } else {
+    a *= std::int32_t{1} << doublings;
+    b *= std::int32_t{1} << doublings;
+  }
   const std::uint64_t squared = static_cast<std::uint64_t>(std::int64_t{a} * a) +
                                 static_cast<std::uint64_t>(std::int64_t{b} * b);
-  if (b == 0 && a >= 0) return rotation;
-  // squared = m 2^(2 e) with m / 2^30 in [1, 4): r = 2^(15 + e) sqrt(m / 2^30).
-  const int length = wide::bit_length(squared);
-  const int half = (length - 1) / 2 - 15;
-  const auto m =
-      static_cast<std::uint32_t>(half >= 0 ? squared >> (2 * half) : squared << (-2 * half));
-  const std::uint32_t y = inverse_root(m);
-  // a / r = a y / 2^(46 + half); 30 fraction bits.
-  const int shift = 16 + half;
-  rotation.cosine = static_cast<std::int32_t>(wide::round_shift(std::int64_t{a} * y, shift));
-  rotation.sine = static_cast<std::int32_t>(wide::round_shift(std::int64_t{b} * y, shift));
+  // m 2^30 or m 2^28 with m / 2^30 in [1, 4); a / r = a y / 2^(31 + 30 or 29).
+  PlaneRotation rotation;
+  const auto set = [&](int down, std::int32_t y) {
+    rotation.cosine = static_cast<std::int32_t>(wide::round_shift_far(std::int64_t{a} * y, down));
+    rotation.sine = static_cast<std::int32_t>(wide::round_shift_far(std::int64_t{b} * y, down));
+  };
+  if (squared >> 60U != 0) {
+    set(31, inverse_root(static_cast<std::uint32_t>(squared >> 30U)));
+  } else {
+    set(30, inverse_root(static_cast<std::uint32_t>(squared >> 28U)));
+  }
   return rotation;
 }
 
 void rotate(PlaneRotation by, std::int32_t* a, std::int32_t* b, int count) {
-  constexpr std::int64_t kHalf = std::int64_t{1} << 29;
-  const std::int32_t c = by.cosine;
-  const std::int32_t s = by.sine;
-  const std::int32_t minus_s = -by.sine;  // sums alone: one multiply-add each
+  const std::int32_t c = with_31_bits(by.cosine);
+  const std::int32_t s = with_31_bits(by.sine);
+  const std::int32_t minus_s = with_31_bits(-by.sine);  // sums alone: one multiply-add each
+  // The upper half of a sum, to nearest, without a shift across the halves.
+  const auto upper = [](std::int64_t sum) {
+    return static_cast<std::int32_t>(sum >> 32) +
+           static_cast<std::int32_t>(static_cast<std::uint32_t>(sum) >> 31U);
+  };
+  const auto doubled = [](std::int32_t x) {
+    return static_cast<std::int32_t>(static_cast<std::uint32_t>(x) << 1U);
+  };
+#pragma GCC unroll 4
   for (int i = 0; i < count; ++i) {
-    const std::int32_t x = a[i];
+    const std::int32_t x = doubled(a[i]);
+    const std::int32_t y = doubled(b[i]);
+    a[i] = upper(std::int64_t{c} * x + std::int64_t{s} * y);
+    b[i] = upper(std::int64_t{c} * y + std::int64_t{minus_s} * x);
+  }
+}
+
+void turn_from_nothing(PlaneRotation by, std::int32_t* a, std::int32_t* b, int count) {
+  for (int i = 0; i < count; ++i) {
     const std::int32_t y = b[i];
-    const std::int64_t first = kHalf + std::int64_t{c} * x + std::int64_t{s} * y;
-    const std::int64_t second = kHalf + std::int64_t{c} * y + std::int64_t{minus_s} * x;
-    a[i] = static_cast<std::int32_t>(first >> 30);
-    b[i] = static_cast<std::int32_t>(second >> 30);
+    a[i] = times(by.sine, y);
+    b[i] = times(by.cosine, y);
   }
 }
 

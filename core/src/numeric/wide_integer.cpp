@@ -59,9 +59,15 @@ std::int64_t divide(std::int64_t a, std::int64_t b, int shift, std::uint32_t& sa
   const std::uint64_t divisor = magnitude(b);
   bool fits = divisor != 0;
   std::uint64_t quotient = 0;
-  if (fits) {
+  if (fits && shift <= 64 - bit_length(magnitude(a))) {  // as most do: one division
+    const std::uint64_t grown = magnitude(a) << shift;
+    quotient = grown / divisor;
+    const std::uint64_t rest = grown - quotient * divisor;
+    if (rest >= divisor - rest) ++quotient;
+    fits = quotient <= static_cast<std::uint64_t>(kMostInt64);
+  } else if (fits) {
     quotient = magnitude(a) / divisor;
-    std::uint64_t rest = magnitude(a) % divisor;
+    std::uint64_t rest = magnitude(a) - quotient * divisor;
     // As many bits at once as the rest leaves room for: rest < divisor <= 2^63, so at least one.
     for (int left = shift; left > 0 && fits;) {
       const int free = rest == 0 ? left : __builtin_clzll(rest);
@@ -72,8 +78,9 @@ std::int64_t divide(std::int64_t a, std::int64_t b, int shift, std::uint32_t& sa
         break;
       }
       const std::uint64_t grown = rest << bits;
-      quotient = (quotient << bits) + grown / divisor;
-      rest = grown % divisor;
+      const std::uint64_t digits = grown / divisor;
+      quotient = (quotient << bits) + digits;
+      rest = grown - digits * divisor;
       left -= bits;
     }
     if (rest >= divisor - rest) ++quotient;

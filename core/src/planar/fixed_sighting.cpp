@@ -24,11 +24,16 @@ FixedCholesky3 FixedSighting::noise() const {
     const std::int64_t product = std::int64_t{direction.raw()} * deviation.raw();
     return static_cast<std::int32_t>(wide::round_shift(product, FixedRatio::kFractionBits + 1));
   };
-  std::int32_t first[2] = {part(cosine, sigma[0]), part(sine, sigma[0])};
-  std::int32_t second[2] = {part(-sine, sigma[1]), part(cosine, sigma[1])};
-  rotate(rotation_onto(first[0], second[0]), first, second, 2);
+  const std::int32_t first[2] = {part(cosine, sigma[0]), part(sine, sigma[0])};
+  const std::int32_t second[2] = {part(-sine, sigma[1]), part(cosine, sigma[1])};
+  const PlaneRotation by = rotation_onto(first[0], second[0]);
+  const auto turned = [](std::int32_t c, std::int32_t x, std::int32_t s, std::int32_t y) {
+    return wide::round_shift(std::int64_t{c} * x + std::int64_t{s} * y, FixedRatio::kFractionBits);
+  };
   FixedCholesky3 out;
-  const std::int32_t elements[3] = {first[0], first[1], second[1]};
+  const std::int64_t elements[3] = {turned(by.cosine, first[0], by.sine, second[0]),
+                                    turned(by.cosine, first[1], by.sine, second[1]),
+                                    turned(by.cosine, second[1], -by.sine, first[1])};
   for (int k = 0; k < 3; ++k) {
     out.l[k] = elements[k] * (std::int64_t{1} << (FixedCholesky3::kBits - kBits));
   }

@@ -29,6 +29,18 @@ constexpr std::int64_t round_shift_far(std::int64_t value, int shift) {
   return ((value >> (shift - 1)) + 1) >> 1;
 }
 
+/// The upper half of a product, rounded down.
+constexpr std::int32_t high_product(std::int32_t a, std::int32_t b) {
+  return static_cast<std::int32_t>((std::int64_t{a} * b) >> 32);
+}
+
+/// Sets words to 0, without the C library: small ones do it byte by byte. Domain: any count.
+inline void clear(std::int32_t* words, int count) {
+  std::int32_t nothing = 0;
+  __asm__("" : "+r"(nothing));
+  for (int i = 0; i < count; ++i) words[i] = nothing;
+}
+
 /// value 2^shift, for shifts of either sign.
 std::int64_t scale(std::int64_t value, int shift, std::uint32_t& saturations);
 

@@ -13,9 +13,7 @@ class FixedCorrection {
  public:
   using Errors = FixedPlanarError<State, Error>;
 
-  void clear(int states) {
-    for (int i = 0; i < states; ++i) values_[i] = 0;
-  }
+  void clear(int states) { wide::clear(values_, states); }
   void negate(int states) {
     for (int i = 0; i < states; ++i) values_[i] = -values_[i];
   }

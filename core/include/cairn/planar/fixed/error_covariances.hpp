@@ -182,9 +182,10 @@ std::int64_t FixedPlanarError<State, Error>::depth_variance(const State& state, 
   FixedStateRow row;
   const int l = state.state_of(slot);
   for (int i = 0; i < 3; ++i) {
-    if (depth[i].raw() == 0) continue;
-    row.add(l + i, depth[i].raw(), FixedTangent::kFractionBits);
-    if (i < 2) row.add(1 + i, -depth[i].raw(), FixedTangent::kFractionBits);
+    if (depth[i].raw() != 0) row.add(l + i, depth[i].raw(), FixedTangent::kFractionBits);
+  }
+  for (int i = 0; i < 2; ++i) {
+    if (depth[i].raw() != 0) row.add(1 + i, -depth[i].raw(), FixedTangent::kFractionBits);
   }
   const int bits = factor_.product(row, l + 2, Factor::kMostBits, scratch);
   std::int64_t squared = 0;

@@ -99,7 +99,7 @@ void FixedPlanarError<State, Error>::absorb_motion(const State& state, std::uint
   }
   factor_.absorb(scratch_, 0);
   for (int k = 0; k < 2; ++k) {
-    for (int i = 0; i < factor_.size(); ++i) scratch_[i] = 0;
+    wide::clear(scratch_, factor_.size());
     for (int axis = 0; axis < 2; ++axis) {
       if (!room[axis]) continue;
       scratch_[1 + axis] = factor_.to_row(1 + axis, c.rest[k][axis], Columns::kBits);
@@ -141,7 +141,7 @@ void FixedPlanarError<State, Error>::shrink_tilt(const FixedTiltStep& step,
     factor_.shrink_row(row, step.left);
     const int length = wide::bit_length(static_cast<std::uint64_t>(step.noise[k]));
     if (!factor_.make_room(row, 2 * (length - kBits), saturations)) continue;
-    for (int i = 0; i < factor_.size(); ++i) scratch_[i] = 0;
+    wide::clear(scratch_, factor_.size());
     scratch_[row] = factor_.to_row(row, step.noise[k], kBits);
     factor_.absorb(scratch_, row);
   }
@@ -162,13 +162,13 @@ void FixedPlanarError<State, Error>::recentre(const State& state, std::uint32_t&
 template <class State, FixedError Error>
 void FixedPlanarError<State, Error>::shear(int first, const FixedLength (&by)[2],
                                            std::uint32_t& saturations) {
-  constexpr int kGrowth = 2;  // the two parts of an element may add up
+  constexpr int kMore = 1;  // the two parts of an element may add up
   const std::int64_t heading = factor_.at(0, 0);
   const int bits = factor_.bits(0) + FixedLength::kFractionBits;
   for (int axis = 0; axis < 2; ++axis) {
     const std::int64_t part = heading * by[axis].raw();
     const int length = wide::bit_length(wide::magnitude(part));
-    if (factor_.make_room(first + axis, 2 * (length - bits), saturations, kGrowth)) {
+    if (factor_.make_room(first + axis, 2 * (length - bits), saturations, kMore)) {
       factor_.add(first + axis, 0, part, bits, saturations);
     }
   }
@@ -206,7 +206,7 @@ void FixedPlanarError<State, Error>::widen_landmark(int first, FixedLength sigma
   for (int axis = 0; axis < State::kLandmarkDim; ++axis) {
     const int row = first + axis;
     if (!factor_.make_room(row, 2 * length, saturations)) continue;
-    for (int i = 0; i < factor_.size(); ++i) scratch_[i] = 0;
+    wide::clear(scratch_, factor_.size());
     scratch_[row] = factor_.to_row(row, sigma.raw(), fraction);
     factor_.absorb(scratch_, row);
   }
@@ -227,7 +227,7 @@ void FixedPlanarError<State, Error>::add_noise(const std::int64_t (&columns)[Col
     first = states[r] < first ? states[r] : first;
   }
   for (const auto& column : columns) {
-    for (int i = 0; i < factor_.size(); ++i) scratch_[i] = 0;
+    wide::clear(scratch_, factor_.size());
     for (int r = 0; r < Rows; ++r) {
       if (room[r]) scratch_[states[r]] = factor_.to_row(states[r], column[r], fraction);
     }

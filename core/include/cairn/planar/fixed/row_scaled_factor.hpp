@@ -8,9 +8,10 @@ namespace cairn {
 namespace detail {
 /// One row of a measurement: what it makes of at most seven states.
 struct FixedStateRow {
-  int state[7];
-  std::int64_t coefficient[7];  ///< below 2^31
-  int bits[7];                  ///< fraction of the coefficient
+  static constexpr int kMost = 7;
+  int state[kMost];
+  std::int64_t coefficient[kMost];  ///< below 2^31
+  int bits[kMost];                  ///< fraction of the coefficient
   int count = 0;
 
   void add(int of, std::int64_t factor, int fraction) {
@@ -32,8 +33,6 @@ class RowScaledFactor {
  public:
   static constexpr int kLeastBits = 20;  ///< standard deviations up to 2^10
   static constexpr int kMostBits = 50;   ///< smaller ones lose precision
-  /// Scale that an element fits at whose magnitude is `length` bits long at scale 0.
-  static constexpr int kNothing = -10000;
 
   int size() const { return size_; }
   int bits(int row) const { return bits_[row]; }
@@ -71,7 +70,8 @@ class RowScaledFactor {
     if (row < 0) return;  // never: GCC warns of a store there
     std::int64_t largest = 0;
     for (int j = 0; j <= row; ++j) largest |= static_cast<std::int64_t>(wide::magnitude(value(j)));
-    const int length = wide::bit_length(static_cast<std::uint64_t>(largest)) + spare - fraction;
+    const std::uint64_t most = with_rounding(static_cast<std::uint64_t>(largest));
+    const int length = wide::bit_length(most) + spare - fraction;
     // Deviations beyond the largest are shrunk to it: the elements fit all the same.
     const int fits = fitting_bits(2 * length);
     bits_[row] = static_cast<std::int8_t>(bits_for(2 * length, saturations));
@@ -94,25 +94,37 @@ class RowScaledFactor {
   /// The elements of a measurement's row on the columns up to `last`, all below 2^30 and together
   /// too, at the scale that is returned, which is at most `most_bits`.
   int product(const detail::FixedStateRow& row, int last, int most_bits, std::int32_t* out) const {
-    constexpr int kTermsBits = 4;  // seven terms, and room for the noise
+    constexpr int kTermsBits = 3;  // seven terms, and room for the noise
     int bits = most_bits;
     for (int k = 0; k < row.count; ++k) {
       const int length = wide::bit_length(wide::magnitude(row.coefficient[k])) - row.bits[k];
       const int fits = bits_[row.state[k]] - length - kTermsBits;
       bits = fits < bits ? fits : bits;
     }
-    for (int j = 0; j <= last; ++j) out[j] = 0;
+    // Upper halves of products with coefficients 2^32 in the scale of the result, below 2^29.
+    std::int32_t factors[detail::FixedStateRow::kMost];
     for (int k = 0; k < row.count; ++k) {
-      const int shift = row.bits[k] + bits_[row.state[k]] - bits;
-      if (shift > 63) continue;
-      const auto coefficient = static_cast<std::int32_t>(row.coefficient[k]);
-      const int end = row.state[k] < last ? row.state[k] : last;
-      RowReader elements(*this, row.state[k]);
-      for (int j = 0; j <= end; ++j) {
-        out[j] += static_cast<std::int32_t>(
-            wide::round_shift_far(std::int64_t{coefficient} * elements.next(), shift));
-      }
+      const int up = 32 - row.bits[k] - bits_[row.state[k]] + bits;
+      factors[k] = static_cast<std::int32_t>(
+          up >= 0 ? row.coefficient[k] * (std::int64_t{1} << up)
+                  : wide::round_shift(row.coefficient[k], up < -63 ? 63 : -up));
     }
+    int k = 0;
+    int next = 0;
+    if (begins_with_point(row, last)) {
+      write_point(row.state[0], factors, out);
+      k = 3;
+      next = row.state[0] + 3;
+    }
+    for (; k < row.count; ++k) {
+      const int end = (row.state[k] < last ? row.state[k] : last) + 1;
+      const int written = end < next ? end : next;
+      RowReader elements(*this, row.state[k]);
+      for (int j = 0; j < written; ++j) out[j] += wide::high_product(factors[k], elements.next());
+      for (int j = written; j < end; ++j) out[j] = wide::high_product(factors[k], elements.next());
+      next = end > next ? end : next;
+    }
+    wide::clear(out + next, last + 1 - next);
     return bits;
   }
 
@@ -134,21 +146,27 @@ class RowScaledFactor {
     }
   }
 
-  /// Adapts the scale of a row to it and to noise whose squared length is below 2^noise, together
-  /// below 2^growth times the larger; false (counted) where there is no room for the noise. Cost:
-  /// row multiply-adds.
-  bool make_room(int row, int noise, std::uint32_t& saturations, int growth = 1) {
+  /// Adapts the scale of a row to the sum of its squared length and that of noise, below 2^noise,
+  /// and to 2^more times as much; false (counted) where there is no room for the noise. Cost: row
+  /// multiply-adds.
+  bool make_room(int row, int noise, std::uint32_t& saturations, int more = 0) {
     std::uint64_t squared = 0;
     const std::int32_t* p = data_ + row;
     for (int j = 0; j <= row; ++j) {
       squared += static_cast<std::uint64_t>(std::int64_t{*p} * *p);
       p += Capacity - 1 - j;
     }
-    const int own = squared == 0 ? kNothing : wide::bit_length(squared) - 2 * bits_[row];
+    const int scale = 2 * bits_[row];
+    const int added = noise + scale;  // to the squared mantissas, which are below 2^62
+    int sum = added + 1;
+    if (added < 62) {
+      squared = with_rounding(squared) + (std::uint64_t{1} << (added > 0 ? added : 0));
+      sum = wide::bit_length(squared);
+    }
     const std::uint32_t before = saturations;
-    const int wanted = bits_for((own > noise ? own : noise) + growth, saturations);
+    const int wanted = bits_for(sum - scale + more, saturations);
     if (saturations != before) return false;
-    if (wanted < bits_[row] || wanted > bits_[row] + 1) rescale(row, wanted);
+    if (wanted != bits_[row]) rescale(row, wanted);
     return true;
   }
   /// Adds to an element of a row that has room for it.
@@ -178,13 +196,20 @@ class RowScaledFactor {
   /// `gain` (n elements, in the scale of the rows) the gain times s. Domain: s below 2^30. Cost: 2
   /// (n - last / 2) last turned elements.
   void condition(const std::int32_t* a, int last, std::int32_t& sigma, std::int32_t* gain) {
-    for (int i = 0; i < size_; ++i) gain[i] = 0;
-    for (int j = last; j >= 0; --j) {
+    int j = last;
+    while (j >= 0 && a[j] == 0) --j;
+    wide::clear(gain, j < 0 ? size_ : j);
+    for (bool first = true; j >= 0; --j, first = false) {
       if (a[j] == 0) continue;
-      PlaneRotation by = rotation_onto(sigma, a[j]);
-      sigma = static_cast<std::int32_t>(
-          wide::round_shift(std::int64_t{by.cosine} * sigma + std::int64_t{by.sine} * a[j], 30));
-      rotate(by, gain + j, data_ + index(j, j), size_ - j);
+      const PlaneRotation by = rotation_onto(sigma, a[j]);
+      sigma = static_cast<std::int32_t>(wide::round_shift_far(
+          std::int64_t{by.cosine} * sigma + std::int64_t{by.sine} * a[j], 30));
+      std::int32_t* const column = data_ + index(j, j);
+      if (first) {
+        turn_from_nothing(by, gain + j, column, size_ - j);
+      } else {
+        rotate(by, gain + j, column, size_ - j);
+      }
     }
   }
 
@@ -227,6 +252,27 @@ class RowScaledFactor {
   }
 
  private:
+  /// Whether the first three terms are a landmark's coordinates, all on the columns up to `last`.
+  static bool begins_with_point(const detail::FixedStateRow& row, int last) {
+    const int* const state = row.state;
+    return row.count >= 3 && state[1] == state[0] + 1 && state[2] == state[0] + 2 &&
+           state[2] <= last;
+  }
+  /// Three rows, one after the other, on the columns that they have.
+  void write_point(int row, const std::int32_t* factors, std::int32_t* out) const {
+    const std::int32_t* elements = data_ + row;
+    int step = Capacity;
+    for (int j = 0; j <= row; ++j) {
+      out[j] = wide::high_product(factors[0], elements[0]) +
+               wide::high_product(factors[1], elements[1]) +
+               wide::high_product(factors[2], elements[2]);
+      elements += --step;
+    }
+    out[row + 1] = wide::high_product(factors[1], at(row + 1, row + 1)) +
+                   wide::high_product(factors[2], at(row + 2, row + 1));
+    out[row + 2] = wide::high_product(factors[2], at(row + 2, row + 2));
+  }
+
   /// Columns one after the other, each with room for all rows below its diagonal.
   static constexpr int index(int row, int column) {
     return column * Capacity - column * (column + 1) / 2 + row;
@@ -236,6 +282,8 @@ class RowScaledFactor {
   static int fitting_bits(int squared) {
     return squared <= 60 - 2 * kMostBits ? kMostBits : (60 - squared) >> 1;
   }
+  /// A length, or its square, with what rounding may add to it until the scale is adapted again.
+  static std::uint64_t with_rounding(std::uint64_t length) { return length + (length >> 20U); }
   /// The same, at least the least one.
   static int bits_for(int squared, std::uint32_t& saturations) {
     const int bits = fitting_bits(squared);

@@ -29,9 +29,11 @@ FixedStateRow FixedPlanarState<MaxLandmarks, LandmarkDim>::row_of(
   const int l = state_of(sighting.slot);
   for (int i = 0; i < 3; ++i) {
     const std::int64_t h = sighting.h[row][i].raw();
-    if (h == 0) continue;
-    out.add(l + i, h, FixedTangent::kFractionBits);
-    if (i < 2) out.add(1 + i, -h, FixedTangent::kFractionBits);
+    if (h != 0) out.add(l + i, h, FixedTangent::kFractionBits);
+  }
+  for (int i = 0; i < 2; ++i) {
+    const std::int64_t h = sighting.h[row][i].raw();
+    if (h != 0) out.add(1 + i, -h, FixedTangent::kFractionBits);
   }
   for (int k = 0; tilts() && k < 2; ++k) {
     const std::int64_t t = sighting.tilt[row][k].raw();
