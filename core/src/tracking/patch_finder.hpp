@@ -21,7 +21,7 @@ inline constexpr int kMargin = kHalf + 1;
 /// The patch as the current view should show it: rows of 11 values and a zero.
 struct Template {
   static constexpr int kPitch = kSide + 1;
-  std::int16_t values[kSide * kPitch] = {};
+  std::int16_t values[kSide * kPitch];
   std::int32_t sum = 0;
   std::int32_t coarse_sum = 0;  ///< of every second row
   std::int64_t spread = 0;      ///< kPixels^2 times the variance
@@ -44,12 +44,8 @@ struct Sums {
   std::int32_t product = 0;
 };
 
-/// Value of the patch at (x, y), Q16 from its first pixel, held at its border.
-template <class Position>
-std::int32_t patch_value(const Patch& patch, Position x, Position y) {
-  constexpr Position kLast = ((Patch::kSize - 1) << 16) - 1;
-  const auto u = static_cast<std::int32_t>(clamp<Position>(x, 0, kLast));
-  const auto v = static_cast<std::int32_t>(clamp<Position>(y, 0, kLast));
+/// Value of the patch at (u, v), Q16 from its first pixel.
+inline std::int32_t patch_value(const Patch& patch, std::int32_t u, std::int32_t v) {
   const std::uint8_t* p = patch.pixels + (v >> 16) * Patch::kSize + (u >> 16);
   const std::int32_t fx = (u >> 8) & 255;
   const std::int32_t fy = (v >> 8) & 255;
@@ -58,12 +54,14 @@ std::int32_t patch_value(const Patch& patch, Position x, Position y) {
   return ((top << 8) + (bottom - top) * fy + 32768) >> 16;
 }
 
-/// Fills in a template's values with an inverse warp, Q16. `Position`: an integer in which the
-/// positions of all pixels fit.
+/// Fills in a template's values with an inverse warp, Q16, held at the patch's border. `Position`:
+/// an integer in which the positions of all pixels fit.
 template <class Position>
 void fill_template(const Patch& patch, Position xx, Position xy, Position yx, Position yy,
                    Template& out) {
   constexpr Position kCentre = (Patch::kSize / 2) << 16;
+  constexpr Position kLast = ((Patch::kSize - 1) << 16) - 1;
+  const auto inside = [](Position position) { return position >= 0 && position <= kLast; };
   out.sum = out.coarse_sum = 0;
   std::int64_t squares = 0;
   for (int row = 0; row < kSide; ++row) {
@@ -73,12 +71,22 @@ void fill_template(const Patch& patch, Position xx, Position xy, Position yx, Po
     std::int16_t* const values = out.values + row * Template::kPitch;
     std::int32_t row_sum = 0;
     std::int32_t row_squares = 0;
-    for (int column = 0; column < kSide; ++column, u += xx, v += yx) {
-      const std::int32_t value = patch_value(patch, u, v);
+    const auto set = [&](int column, Position at_u, Position at_v) {
+      const std::int32_t value =
+          patch_value(patch, static_cast<std::int32_t>(at_u), static_cast<std::int32_t>(at_v));
       values[Template::place(column)] = static_cast<std::int16_t>(value);
       row_sum += value;
       row_squares += value * value;
+    };
+    constexpr int kSteps = kSide - 1;
+    if (inside(u) && inside(v) && inside(u + kSteps * xx) && inside(v + kSteps * yx)) {
+      for (int column = 0; column < kSide; ++column, u += xx, v += yx) set(column, u, v);
+    } else {
+      for (int column = 0; column < kSide; ++column, u += xx, v += yx) {
+        set(column, clamp<Position>(u, 0, kLast), clamp<Position>(v, 0, kLast));
+      }
     }
+    values[kSide] = 0;
     out.sum += row_sum;
     if (row % 2 == 0) out.coarse_sum += row_sum;
     squares += row_squares;
@@ -161,19 +169,12 @@ struct Best {
 };
 
 /// Keeps (x, y) if it is better than `best`. Its score is the squared correlation times the
-/// template's spread over every Step-th row, 0 where the correlation is not positive. Domain: the
-/// pixel right of the window is inside the image.
+/// template's spread over every Step-th row, 0 where the correlation is not positive.
 template <int Step>
-void try_at(const ImageView& image, int x, int y, const Template& t, Best& best) {
+void judge(const Sums& sums, int x, int y, const Template& t, Best& best) {
   constexpr std::int32_t kCount = (kSide + Step - 1) / Step * kSide;
   static_assert(kCount * kCount * 255LL * 255 < INT32_MAX, "spreads fit 32 bits");
   const std::int32_t template_sum = Step == 1 ? t.sum : t.coarse_sum;
-  const vision::ByteAdder add_bytes;
-  Sums sums;
-  const std::uint8_t* p = image.data + (y - kHalf) * image.stride + x - kHalf;
-  for (int row = 0; row < kSide; row += Step, p += Step * image.stride) {
-    add_row(p, t.values + row * Template::kPitch, add_bytes, sums);
-  }
   const std::int32_t spread = kCount * sums.squares - sums.sum * sums.sum;
   const std::int32_t covariance = kCount * sums.product - sums.sum * template_sum;
   if (spread <= 0 || covariance <= 0) return;
@@ -182,8 +183,85 @@ void try_at(const ImageView& image, int x, int y, const Template& t, Best& best)
   if (squared >= (best.score + 1) * spread) best = {x, y, squared / spread};
 }
 
+/// Domain: the pixel right of the window is inside the image.
+template <int Step>
+void try_at(const ImageView& image, int x, int y, const Template& t, Best& best) {
+  const vision::ByteAdder add_bytes;
+  Sums sums;
+  const std::uint8_t* p = image.data + (y - kHalf) * image.stride + x - kHalf;
+  for (int row = 0; row < kSide; row += Step, p += Step * image.stride) {
+    add_row(p, t.values + row * Template::kPitch, add_bytes, sums);
+  }
+  judge<Step>(sums, x, y, t, best);
+}
+
 inline bool fits(const ImageView& image, int x, int y) {
   return x >= kMargin && y >= kMargin && x < image.width - kMargin && y < image.height - kMargin;
+}
+
+#if !defined(__ARM_FEATURE_SIMD32)
+
+/// Adds a row of the image to three places beside one another, the first of which begins at `p`.
+template <int... Column>
+__attribute__((always_inline)) inline void add_row_to_three(const std::uint8_t* p,
+                                                            const std::int16_t* t,
+                                                            Sums (&places)[3],
+                                                            std::integer_sequence<int, Column...>) {
+  std::int32_t left = p[0];
+  std::int32_t middle = p[1];
+  Sums common;  // of the pixels that all three have
+  std::int32_t products[3] = {};
+  const auto add = [&](int column) __attribute__((always_inline)) {
+    const std::int32_t right = p[column + 2];
+    const std::int32_t value = t[column];
+    products[0] += left * value;
+    products[1] += middle * value;
+    products[2] += right * value;
+    left = middle;
+    middle = right;
+    if (column + 2 >= kSide) return;
+    common.sum += right;
+    common.squares += right * right;
+  };
+  (add(Column), ...);
+  constexpr int kOthers[3][2] = {{0, 1}, {1, kSide}, {kSide, kSide + 1}};
+  for (int k = 0; k < 3; ++k) {
+    const std::int32_t a = p[kOthers[k][0]];
+    const std::int32_t b = p[kOthers[k][1]];
+    places[k].sum += common.sum + a + b;
+    places[k].squares += common.squares + a * a + b * b;
+    places[k].product += products[k];
+  }
+}
+
+/// The places x - 1 to x + 1 of a row, all in the image.
+inline void try_three(const ImageView& image, int x, int y, const Template& t, Best& best) {
+  Sums places[3];
+  const std::uint8_t* p = image.data + (y - kHalf) * image.stride + x - 1 - kHalf;
+  for (int row = 0; row < kSide; ++row, p += image.stride) {
+    add_row_to_three(p, t.values + row * Template::kPitch, places,
+                     std::make_integer_sequence<int, kSide>());
+  }
+  for (int k = 0; k < 3; ++k) judge<1>(places[k], x - 1 + k, y, t, best);
+}
+
+#endif
+
+/// The best of the pixels around a place.
+inline Best search_around(const ImageView& image, const Best& place, const Template& t) {
+  Best best;
+  for (int y = place.y - 1; y <= place.y + 1; ++y) {
+#if !defined(__ARM_FEATURE_SIMD32)
+    if (fits(image, place.x - 1, y) && fits(image, place.x + 1, y)) {
+      try_three(image, place.x, y, t, best);
+      continue;
+    }
+#endif
+    for (int x = place.x - 1; x <= place.x + 1; ++x) {
+      if (fits(image, x, y)) try_at<1>(image, x, y, t, best);
+    }
+  }
+  return best;
 }
 
 /// The best of every second pixel of every second row of the window.
@@ -223,13 +301,7 @@ Status find_patch(const ImageView& image, const Window& window, const Patch& pat
 
   const Best coarse = search_coarsely(image, window, t);
   if (coarse.score == 0) return Status::kNotFound;
-  Best best;
-  for (int y = coarse.y - 1; y <= coarse.y + 1; ++y) {
-    for (int x = coarse.x - 1; x <= coarse.x + 1; ++x) {
-      if (!fits(image, x, y)) continue;
-      try_at<1>(image, x, y, t, best);
-    }
-  }
+  const Best best = search_around(image, coarse, t);
   const std::int64_t wanted =
       static_cast<std::int64_t>(parameters.min_correlation_q10) * parameters.min_correlation_q10;
   if ((best.score << 20) < wanted * t.spread) return Status::kNotFound;

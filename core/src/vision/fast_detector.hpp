@@ -14,9 +14,13 @@ class ScoreRows {
   ScoreRows(const cairn::detail::FastBuffers& buffers, int width) : words_((width + 31) / 32) {
     for (int i = 0; i < 3; ++i) {
       std::uint8_t* const scores = buffers.scores + i * buffers.score_pitch;
-      std::memset(scores, 0, static_cast<std::size_t>(cairn::detail::score_row_bytes(width)));
       rows_[i] = {scores + cairn::detail::kScorePadding, buffers.bits + i * buffers.bit_pitch};
-      std::memset(rows_[i].corner_bits, 0, sizeof(std::uint32_t) * static_cast<unsigned>(words_));
+      std::memset(scores, 0, cairn::detail::kScorePadding);
+      for (int w = 0; w < words_; ++w) {
+        clear_block(rows_[i], w);
+        rows_[i].corner_bits[w] = 0;
+      }
+      std::memset(rows_[i].scores + 32 * words_, 0, cairn::detail::kScorePadding);
     }
   }
 
@@ -28,7 +32,7 @@ class ScoreRows {
     rows_[2] = oldest;
     for (int w = 0; w < words_; ++w) {
       if (oldest.corner_bits[w] == 0) continue;
-      std::memset(oldest.scores + 32 * w, 0, 32);
+      clear_block(oldest, w);
       oldest.corner_bits[w] = 0;
     }
   }
@@ -62,6 +66,11 @@ class ScoreRows {
   }
 
  private:
+  /// Rows of FastBuffers are whole words: small C libraries clear by bytes what they do not know
+  /// of.
+  static void clear_block(const ScoreRow& row, int w) {
+    std::memset(__builtin_assume_aligned(row.scores + 32 * w, 4), 0, 32);
+  }
   bool is_peak(int x) const {
     const std::uint8_t* const above = rows_[0].scores + x;
     const std::uint8_t* const middle = rows_[1].scores + x;

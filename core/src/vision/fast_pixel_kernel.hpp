@@ -6,66 +6,82 @@
 
 namespace cairn::vision {
 
-/// The circle of one pixel, as values above a limit count.
+/// The circle of one pixel, as values above a limit count: every second point first, of which an
+/// arc of nine holds four in a row.
 class PixelRing {
  public:
   /// `negative`: 0 for bright arcs; 255 for dark ones, which are bright ones of the negative.
   PixelRing(const std::uint8_t* p, std::ptrdiff_t stride, std::uint32_t limit,
-            std::uint32_t negative) {
-    load(p, stride, limit, negative, std::make_integer_sequence<int, kPoints>());
-    std::memcpy(points_ + kPoints, points_, kArc);
-    const std::uint32_t twice = bits_ | bits_ << static_cast<unsigned>(kPoints);
-    std::uint32_t runs = twice & twice >> 1U;
-    runs &= runs >> 2U;
-    runs &= runs >> 4U;
-    starts_ = runs & twice >> 8U & 0xFFFFU;
-  }
+            std::uint32_t negative)
+      : p_(p), stride_(stride), limit_(limit), negative_(negative) {}
+
   /// Whether some arc of nine points is above the limit.
-  bool holds_arc() const { return starts_ != 0; }
+  bool holds_arc() {
+    const std::uint32_t even = twice(above<0>(Half()));
+    const std::uint32_t four_even = runs_of_four(even);
+    if ((four_even & kHalfMask) == 0) return false;
+    const std::uint32_t odd = twice(above<1>(Half()));
+    const std::uint32_t four_odd = runs_of_four(odd);
+    even_starts_ = four_even & even >> 4U & four_odd & kHalfMask;
+    odd_starts_ = four_odd & odd >> 4U & four_even >> 1U & kHalfMask;
+    return (even_starts_ | odd_starts_) != 0;
+  }
   /// The largest of such arcs' least points. Two that start at neighbouring points share eight.
   std::uint32_t largest_arc_minimum() const {
+    std::uint8_t ring[kPoints + kHalf];  // the first ones again at the end
+    store(ring, std::make_integer_sequence<int, kPoints>());
     std::uint32_t best = 0;
-    for (std::uint32_t starts = starts_; starts != 0;) {
-      const int first = __builtin_ctz(starts);
-      const std::uint8_t* const points = points_ + first;
-      const bool two = (starts >> 1U >> static_cast<unsigned>(first) & 1U) != 0;
-      std::uint32_t least = points[0];
-      if (two) least = greater(least, points[kArc]);
-      least = lesser(least, lesser(points[1], points[2]));
-      least = lesser(least, lesser(points[3], points[4]));
-      least = lesser(least, lesser(points[5], points[6]));
-      least = lesser(least, lesser(points[7], points[8]));
+    for (std::uint32_t left = even_starts_ | odd_starts_; left != 0; left &= left - 1U) {
+      const auto k = static_cast<unsigned>(__builtin_ctz(left));
+      const std::uint8_t* const points = ring + 2 * k;
+      std::uint32_t least = 0;
+      if ((even_starts_ >> k & 1U) != 0) least = points[0];
+      if ((odd_starts_ >> k & 1U) != 0) least = greater(least, points[9]);
+      for (int i = 1; i <= kHalf; ++i) least = lesser(least, points[i]);
       best = greater(best, least);
-      starts &= starts - 1U;
-      if (two) starts &= starts - 1U;
     }
     return best;
   }
 
  private:
   static constexpr int kPoints = 16;
-  static constexpr int kArc = 9;
+  static constexpr int kHalf = 8;
+  static constexpr std::uint32_t kHalfMask = 0xFF;
+  using Half = std::make_integer_sequence<int, kHalf>;
 
   static std::uint32_t lesser(std::uint32_t a, std::uint32_t b) { return a < b ? a : b; }
   static std::uint32_t greater(std::uint32_t a, std::uint32_t b) { return a > b ? a : b; }
-
-  template <int... K>
-  __attribute__((always_inline)) void load(const std::uint8_t* p, std::ptrdiff_t stride,
-                                           std::uint32_t limit, std::uint32_t negative,
-                                           std::integer_sequence<int, K...>) {
-    ((append<kPoints - 1 - K>(p, stride, limit, negative)), ...);
+  static std::uint32_t twice(std::uint32_t half) { return half | half << 8U; }
+  static std::uint32_t runs_of_four(std::uint32_t bits) {
+    bits &= bits >> 1U;
+    return bits & bits >> 2U;
   }
+
   template <int K>
-  __attribute__((always_inline)) void append(const std::uint8_t* p, std::ptrdiff_t stride,
-                                             std::uint32_t limit, std::uint32_t negative) {
-    const std::uint32_t point = *circle_point<K>(p, stride) ^ negative;
-    points_[K] = static_cast<std::uint8_t>(point);
-    append_comparison(bits_, point, limit);
+  std::uint32_t point() const {
+    return *circle_point<K>(p_, stride_) ^ negative_;
+  }
+  /// Points First, First + 2, ..., a bit each.
+  template <int First, int... K>
+  __attribute__((always_inline)) std::uint32_t above(
+      std::integer_sequence<int, K...> /*order*/) const {
+    std::uint32_t bits = 0;
+    ((append_comparison(bits, point<2 * (kHalf - 1 - K) + First>(), limit_)), ...);
+    return bits;
+  }
+  template <int... K>
+  __attribute__((always_inline)) void store(std::uint8_t* ring,
+                                            std::integer_sequence<int, K...> /*order*/) const {
+    ((ring[K] = static_cast<std::uint8_t>(point<K>())), ...);
+    std::memcpy(ring + kPoints, ring, kHalf);
   }
 
-  std::uint8_t points_[kPoints + kArc];  ///< the first ones again at the end
-  std::uint32_t bits_ = 0;               ///< of the points above the limit
-  std::uint32_t starts_ = 0;
+  const std::uint8_t* p_;
+  std::ptrdiff_t stride_;
+  std::uint32_t limit_;
+  std::uint32_t negative_;
+  std::uint32_t even_starts_ = 0;  ///< of arcs, the points 0, 2, ...
+  std::uint32_t odd_starts_ = 0;   ///< and 1, 3, ...
 };
 
 /// Scores a pixel whose circle may hold an arc of one polarity.
@@ -75,7 +91,7 @@ __attribute__((noinline)) inline bool score_pixel(const std::uint8_t* p, std::pt
   const std::uint32_t centre = *p ^ negative;
   const std::uint32_t limit = centre + static_cast<std::uint32_t>(threshold) + 1U;
   if (limit > 255U) return false;
-  const PixelRing ring(p, stride, limit, negative);
+  PixelRing ring(p, stride, limit, negative);
   if (!ring.holds_arc()) return false;
   row.set(x, static_cast<int>(ring.largest_arc_minimum() - centre) - 1);
   return true;

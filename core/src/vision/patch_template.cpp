@@ -69,9 +69,27 @@ void sample_patch(const Patch& patch, const PatchWarp& inverse, std::int16_t* pa
   constexpr std::int32_t kCentre = Patch::kSize / 2 * 65536 + 128;
   constexpr std::uint32_t kLast = (Patch::kSize - 1) * 256;
   constexpr int kReach = kPadded / 2;
+  constexpr std::uint32_t kAll = (1U << kPadded) - 1U;
+  const auto lies_inside = [](std::int32_t x_q16, std::int32_t y_q16) {
+    return static_cast<std::uint32_t>(x_q16 >> 8) < kLast &&
+           static_cast<std::uint32_t>(y_q16 >> 8) < kLast;
+  };
+  const auto value_at = [&](std::int32_t x_q16, std::int32_t y_q16) {
+    return patch_value(patch.pixels + (y_q16 >> 16) * Patch::kSize + (x_q16 >> 16),
+                       x_q16 >> 8 & 255, y_q16 >> 8 & 255);
+  };
   for (int y = 0; y < kPadded; ++y, padded += kPaddedPitch) {
     std::int32_t x_q16 = kCentre + inverse.xy * (y - kReach) - inverse.xx * kReach;
     std::int32_t y_q16 = kCentre + inverse.yy * (y - kReach) - inverse.yx * kReach;
+    padded[kPadded] = 0;
+    if (lies_inside(x_q16, y_q16) &&
+        lies_inside(x_q16 + 2 * kReach * inverse.xx, y_q16 + 2 * kReach * inverse.yx)) {
+      for (int x = 0; x < kPadded; ++x, x_q16 += inverse.xx, y_q16 += inverse.yx) {
+        padded[x] = value_at(x_q16, y_q16);
+      }
+      known[y] = kAll;
+      continue;
+    }
     std::uint32_t flags = 0;
     for (int x = 0; x < kPadded; ++x, x_q16 += inverse.xx, y_q16 += inverse.yx) {
       std::int32_t column = x_q16 >> 16;
@@ -97,7 +115,6 @@ void sample_patch(const Patch& patch, const PatchWarp& inverse, std::int16_t* pa
       padded[x] = patch_value(patch.pixels + row * Patch::kSize + column, fx, fy);
       flags |= 1U << static_cast<unsigned>(x);
     }
-    padded[kPadded] = 0;
     known[y] = flags;
   }
 }

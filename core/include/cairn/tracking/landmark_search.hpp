@@ -97,11 +97,11 @@ void plan_searches(const Filter& filter, const Sight& sight, SearchPass pass,
     }
     if (!visible) continue;
     plan.push_back(entry);
-    for (int i = plan.size() - 1; i > 0 && plan[i - 1].priority < plan[i].priority; --i) {
-      const typename Sight::Planned swapped = plan[i];
-      plan[i] = plan[i - 1];
-      plan[i - 1] = swapped;
+    int place = plan.size() - 1;
+    for (; place > 0 && plan[place - 1].priority < entry.priority; --place) {
+      plan[place] = plan[place - 1];
     }
+    if (place < plan.size() - 1) plan[place] = entry;
   }
 }
 

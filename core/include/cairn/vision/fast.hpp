@@ -36,7 +36,7 @@ struct FastScratch {
   static constexpr int kScorePitch = detail::score_row_bytes(MaxWidth);
   static constexpr int kBitPitch = (MaxWidth + 31) / 32;
 
-  std::uint8_t scores[3 * kScorePitch];
+  alignas(4) std::uint8_t scores[3 * kScorePitch];
   std::uint32_t bits[3 * kBitPitch];
 
   detail::FastBuffers buffers() { return {scores, bits, kScorePitch, kBitPitch, MaxWidth}; }
