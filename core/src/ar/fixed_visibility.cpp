@@ -10,11 +10,22 @@ constexpr int kShareBits = 16;
 struct HalfSpace {  // normal . p <= offset, p from the eye
   std::int32_t normal[3];
   std::int64_t offset;
-  std::int64_t length;  ///< of the normal, the sum of its coordinates' magnitudes
+
+  /// Of the normal, the sum of its coordinates' magnitudes.
+  std::int64_t length() const {
+    std::int64_t sum = 0;
+    for (const std::int32_t n : normal) sum += n < 0 ? -std::int64_t{n} : n;
+    return sum;
+  }
 };
 std::int64_t dot(const std::int32_t (&a)[3], const Point& p) {
   return std::int64_t{a[0]} * p.at[0] + std::int64_t{a[1]} * p.at[1] + std::int64_t{a[2]} * p.at[2];
 }
+
+struct ShadowPlanes {
+  HalfSpace at[ConvexPart::kMaxEdges + ConvexPart::kMaxFaces + 1];  ///< and one to try
+  int count = 0;
+};
 
 void set_normal(const Vector3<float>& normal, HalfSpace& plane) {
   Count none = 0;
@@ -42,52 +53,73 @@ HalfSpace outline_plane(const Point& a, const Point& b, const Point& inside) {
   return plane;
 }
 
-/// The shadow of a convex part, one plane after the other: those of its outline and its front
-/// faces. Most shadows end at the first ones.
+/// A point in the direction of a part's middle.
+Point middle_of(const ConvexPart& part, const Point* vertices) {
+  constexpr int kMostBits = 5;
+  static_assert(ConvexPart::kMaxVertices <= 1 << kMostBits, "the sum fits");
+  Point middle = {};
+  for (int i = 0; i < 3; ++i) {
+    std::int64_t sum = 0;
+    for (int k = 0; k < part.vertices.size(); ++k) sum += vertices[k].at[i];
+    middle.at[i] = static_cast<std::int32_t>(sum >> kMostBits);
+  }
+  return middle;
+}
+
+/// The shadow of a convex part: the planes of its outline and of its front faces.
 class Shadow {
  public:
-  Shadow(const ObjectScene& scene, int q)
-      : scene_(scene), part_(scene.object.parts[q]), vertices_(scene.vertices[q]), q_(q) {
-    constexpr int kMostBits = 5;
-    static_assert(ConvexPart::kMaxVertices <= 1 << kMostBits, "the sum fits");
-    for (int i = 0; i < 3; ++i) {
-      std::int64_t sum = 0;
-      for (int k = 0; k < part_.vertices.size(); ++k) sum += vertices_[k].at[i];
-      inside_.at[i] = static_cast<std::int32_t>(sum >> kMostBits);
-    }
-  }
+  Shadow(const ObjectScene& scene, int q, const Point& inside)
+      : scene_(scene),
+        part_(scene.object.parts[q]),
+        vertices_(scene.vertices[q]),
+        q_(q),
+        inside_(inside) {}
+
   bool next(HalfSpace& plane) {
     while (edge_ < part_.edges.size()) {
       const ConvexPart::Edge& edge = part_.edges[edge_++];
       if (scene_.is_front(q_, edge.face_left) == scene_.is_front(q_, edge.face_right)) continue;
       plane = outline_plane(vertices_[edge.a], vertices_[edge.b], inside_);
-      return finish(plane);
+      return true;
     }
     while (face_ < part_.faces.size()) {
       const int face = face_++;
       if (!scene_.is_front(q_, face)) continue;
       set_normal(part_.faces[face].normal, plane);
       plane.offset = dot(plane.normal, vertices_[part_.faces[face].vertices[0]]);
-      return finish(plane);
+      return true;
     }
     return false;
   }
 
  private:
-  static bool finish(HalfSpace& plane) {
-    plane.length = 0;
-    for (const std::int32_t n : plane.normal) plane.length += n < 0 ? -std::int64_t{n} : n;
-    return true;
-  }
-
   const ObjectScene& scene_;
   const ConvexPart& part_;
   const Point* vertices_;
   int q_;
-  Point inside_ = {};  ///< in the direction of the part's middle
+  const Point& inside_;
   int edge_ = 0;
   int face_ = 0;
 };
+
+/// Whether the part `p`, whose vertices' mean lies in the direction of `middle`, lies outside one
+/// plane of the shadow, as most do. Otherwise all `planes` of it.
+bool lies_outside(Shadow& shadow, const ConvexPart& p, const Point* vertices, const Point& middle,
+                  ShadowPlanes& planes) {
+  for (planes.count = 0; shadow.next(planes.at[planes.count]); ++planes.count) {
+    const HalfSpace& plane = planes.at[planes.count];
+    const auto is_outside = [&](const Point& point) {
+      return dot(plane.normal, point) > plane.offset;
+    };
+    int outside = 0;
+    if (is_outside(middle)) {
+      while (outside < p.vertices.size() && is_outside(vertices[outside])) ++outside;
+    }
+    if (outside > 0 && outside == p.vertices.size()) return true;
+  }
+  return false;
+}
 
 /// What is to be seen of an edge, and what one shadow hides of it.
 struct EdgeView {
@@ -102,6 +134,7 @@ struct EdgeView {
 /// largest touch. False when nothing of them is inside.
 bool cut_by_plane(const HalfSpace& plane, const ConvexPart& part, const Point* vertices,
                   std::int64_t most_touch, EdgeView* edges) {
+  const std::int64_t length = plane.length();
   std::int64_t distance[ConvexPart::kMaxVertices];
   std::int64_t nearest = INT64_MAX;
   std::int64_t farthest = INT64_MIN;
@@ -111,12 +144,12 @@ bool cut_by_plane(const HalfSpace& plane, const ConvexPart& part, const Point* v
     farthest = distance[k] > farthest ? distance[k] : farthest;
   }
   if (nearest > 0) return false;
-  if (farthest + most_touch * plane.length <= 0) return true;
+  if (farthest + most_touch * length <= 0) return true;
   bool any = false;
   for (int e = 0; e < part.edges.size(); ++e) {
     EdgeView& edge = edges[e];
     if (!edge.inside) continue;
-    const std::int64_t margin = edge.touch * plane.length;
+    const std::int64_t margin = edge.touch * length;
     const std::int64_t at_a = distance[part.edges[e].a] + margin;
     const std::int64_t at_b = distance[part.edges[e].b] + margin;
     if (at_a > 0 && at_b > 0) {
@@ -137,7 +170,7 @@ bool cut_by_plane(const HalfSpace& plane, const ConvexPart& part, const Point* v
 }
 
 /// What is to be seen of the edges of part `p`.
-void find_visible_edges(const ObjectScene& scene, int p, EdgeView* edges) {
+void find_visible_edges(const ObjectScene& scene, const Point* middles, int p, EdgeView* edges) {
   constexpr int kTouchBits = 11;  // 1/2048 of the length
   const ConvexPart& part = scene.object.parts[p];
   const Point* const vertices = scene.vertices[p];
@@ -156,19 +189,20 @@ void find_visible_edges(const ObjectScene& scene, int p, EdgeView* edges) {
     edges[e].touch = length >> kTouchBits;
     most_touch = edges[e].touch > most_touch ? edges[e].touch : most_touch;
   }
+  ShadowPlanes planes;
   for (int q = 0; q < scene.object.parts.size(); ++q) {
     // With the eye inside a part it has no outline, and hides nothing.
     if (q == p || scene.front[q] == 0) continue;
+    Shadow shadow(scene, q, middles[q]);
+    if (lies_outside(shadow, part, vertices, middles[p], planes)) continue;
     bool any = false;
     for (int e = 0; e < part.edges.size(); ++e) {
       edges[e].inside = !edges[e].pieces.empty();
       edges[e].hidden = EdgePiece();
       any = any || edges[e].inside;
     }
-    Shadow shadow(scene, q);
-    HalfSpace plane = {};
-    while (any && shadow.next(plane)) {
-      any = cut_by_plane(plane, part, vertices, most_touch, edges);
+    for (int k = 0; any && k < planes.count; ++k) {
+      any = cut_by_plane(planes.at[k], part, vertices, most_touch, edges);
     }
     for (int e = 0; any && e < part.edges.size(); ++e) {
       if (!edges[e].inside || edges[e].hidden.end <= edges[e].hidden.begin) continue;
@@ -220,9 +254,11 @@ std::uint16_t share_of(std::int64_t a, std::int64_t b) {
 void find_visible_pieces(ObjectScene& scene, const FixedRotation& R_camera_object,
                          VisiblePieces& visible, DrawReport& report) {
   const int parts = scene.object.parts.size();
+  Point middles[VirtualObject::kMaxParts];
+  for (int p = 0; p < parts; ++p) middles[p] = middle_of(scene.object.parts[p], scene.vertices[p]);
   EdgeView edges[ConvexPart::kMaxEdges];
   for (int p = 0; p < parts; ++p) {
-    find_visible_edges(scene, p, edges);
+    find_visible_edges(scene, middles, p, edges);
     add_visible(p, edges, scene.object.parts[p].edges.size(), visible, report);
   }
   Count none = 0;
