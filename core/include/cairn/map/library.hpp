@@ -73,7 +73,8 @@ class MapLibrary {
   static int retention_of(int score, int neighbours) {
     return score * kScoreUnit / (1 + neighbours);
   }
-  static bool are_neighbours(const Landmark& a, const Landmark& b);
+  template <class Visit>
+  void visit_neighbours(const Landmark& landmark, int except_slot, const Visit& visit) const;
   int count_neighbours(const Landmark& landmark, int except_slot) const;
   void add_to_neighbours(const Landmark& landmark, int except_slot, int change);
   void place(int slot, const Landmark& landmark);
@@ -132,37 +133,44 @@ Status MapLibrary<Config, Views>::validate(const Landmark& landmark) {
   return Status::kOk;
 }
 
+/// visit(slot) for each landmark beside another.
 template <class Config, int Views>
-bool MapLibrary<Config, Views>::are_neighbours(const Landmark& a, const Landmark& b) {
-  const Scalar reach = Scalar(0.025) * (detail::described_from(a) + detail::described_from(b));
-  return (a.p_map - b.p_map).squaredNorm() < reach * reach;
+template <class Visit>
+void MapLibrary<Config, Views>::visit_neighbours(const Landmark& landmark, int except_slot,
+                                                 const Visit& visit) const {
+  const Scalar distance = detail::described_from(landmark);
+  for (int slot = 0; slot < size(); ++slot) {
+    if (slot == except_slot) continue;
+    const Landmark& other = landmarks_[slot];
+    const Scalar reach = Scalar(0.025) * (distance + detail::described_from(other));
+    if ((landmark.p_map - other.p_map).squaredNorm() < reach * reach) visit(slot);
+  }
 }
 
 template <class Config, int Views>
 int MapLibrary<Config, Views>::count_neighbours(const Landmark& landmark, int except_slot) const {
   int count = 0;
-  for (int slot = 0; slot < size(); ++slot) {
-    if (slot != except_slot && are_neighbours(landmark, landmarks_[slot])) ++count;
-  }
+  visit_neighbours(landmark, except_slot, [&](int /*slot*/) { ++count; });
   return count;
 }
 
 template <class Config, int Views>
 void MapLibrary<Config, Views>::add_to_neighbours(const Landmark& landmark, int except_slot,
                                                   int change) {
-  for (int slot = 0; slot < size(); ++slot) {
-    if (slot != except_slot && are_neighbours(landmark, landmarks_[slot])) {
-      neighbours_[slot] = static_cast<std::uint16_t>(neighbours_[slot] + change);
-    }
-  }
+  visit_neighbours(landmark, except_slot, [&](int slot) {
+    neighbours_[slot] = static_cast<std::uint16_t>(neighbours_[slot] + change);
+  });
 }
 
 template <class Config, int Views>
 void MapLibrary<Config, Views>::place(int slot, const Landmark& landmark) {
   landmarks_[slot] = landmark;
-  neighbours_[slot] = static_cast<std::uint16_t>(count_neighbours(landmark, slot));
+  neighbours_[slot] = 0;
+  visit_neighbours(landmark, slot, [&](int neighbour) {
+    ++neighbours_[slot];
+    ++neighbours_[neighbour];
+  });
   score_[slot] = static_cast<std::uint16_t>(landmark_score(landmark));
-  add_to_neighbours(landmark, slot, 1);
   ++revision_;
 }
 
