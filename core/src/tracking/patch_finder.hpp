@@ -201,22 +201,24 @@ inline bool fits(const ImageView& image, int x, int y) {
 
 #if !defined(__ARM_FEATURE_SIMD32)
 
-/// Adds a row of the image to three places beside one another, the first of which begins at `p`.
-template <int... Column>
-__attribute__((always_inline)) inline void add_row_to_three(const std::uint8_t* p,
-                                                            const std::int16_t* t,
-                                                            Sums (&places)[3],
-                                                            std::integer_sequence<int, Column...>) {
+/// Adds a row of the image to the first, the last, and of three the middle one of three places
+/// beside one another, which begin at `p`.
+template <int Places, int... Column>
+__attribute__((always_inline)) inline void add_row_to_all(const std::uint8_t* p,
+                                                          const std::int16_t* t,
+                                                          Sums (&places)[Places],
+                                                          std::integer_sequence<int, Column...>) {
+  constexpr int kLast = Places - 1;
   std::int32_t left = p[0];
   std::int32_t middle = p[1];
-  Sums common;  // of the pixels that all three have
-  std::int32_t products[3] = {};
+  Sums common;  // of the pixels that all have
+  std::int32_t products[Places] = {};
   const auto add = [&](int column) __attribute__((always_inline)) {
     const std::int32_t right = p[column + 2];
     const std::int32_t value = t[column];
     products[0] += left * value;
-    products[1] += middle * value;
-    products[2] += right * value;
+    if constexpr (Places == 3) products[1] += middle * value;
+    products[kLast] += right * value;
     left = middle;
     middle = right;
     if (column + 2 >= kSide) return;
@@ -224,25 +226,29 @@ __attribute__((always_inline)) inline void add_row_to_three(const std::uint8_t* 
     common.squares += right * right;
   };
   (add(Column), ...);
-  constexpr int kOthers[3][2] = {{0, 1}, {1, kSide}, {kSide, kSide + 1}};
-  for (int k = 0; k < 3; ++k) {
-    const std::int32_t a = p[kOthers[k][0]];
-    const std::int32_t b = p[kOthers[k][1]];
+  const auto finish = [&](int k, int other, int another) __attribute__((always_inline)) {
+    const std::int32_t a = p[other];
+    const std::int32_t b = p[another];
     places[k].sum += common.sum + a + b;
     places[k].squares += common.squares + a * a + b * b;
     places[k].product += products[k];
-  }
+  };
+  finish(0, 0, 1);
+  if constexpr (Places == 3) finish(1, 1, kSide);
+  finish(kLast, kSide, kSide + 1);
 }
 
-/// The places x - 1 to x + 1 of a row, all in the image.
-inline void try_three(const ImageView& image, int x, int y, const Template& t, Best& best) {
-  Sums places[3];
-  const std::uint8_t* p = image.data + (y - kHalf) * image.stride + x - 1 - kHalf;
-  for (int row = 0; row < kSide; ++row, p += image.stride) {
-    add_row_to_three(p, t.values + row * Template::kPitch, places,
-                     std::make_integer_sequence<int, kSide>());
+/// The places x and x + 2, or all three, as try_at(); all in the image.
+template <int Step, int Places>
+void try_beside(const ImageView& image, int x, int y, const Template& t, Best& best) {
+  static_assert(Places == 2 || Places == 3, "of three");
+  Sums places[Places];
+  const std::uint8_t* p = image.data + (y - kHalf) * image.stride + x - kHalf;
+  for (int row = 0; row < kSide; row += Step, p += Step * image.stride) {
+    add_row_to_all<Places>(p, t.values + row * Template::kPitch, places,
+                           std::make_integer_sequence<int, kSide>());
   }
-  for (int k = 0; k < 3; ++k) judge<1>(places[k], x - 1 + k, y, t, best);
+  for (int k = 0; k < Places; ++k) judge<Step>(places[k], x + k * (2 / (Places - 1)), y, t, best);
 }
 
 #endif
@@ -253,7 +259,7 @@ inline Best search_around(const ImageView& image, const Best& place, const Templ
   for (int y = place.y - 1; y <= place.y + 1; ++y) {
 #if !defined(__ARM_FEATURE_SIMD32)
     if (fits(image, place.x - 1, y) && fits(image, place.x + 1, y)) {
-      try_three(image, place.x, y, t, best);
+      try_beside<1, 3>(image, place.x - 1, y, t, best);
       continue;
     }
 #endif
@@ -278,10 +284,21 @@ Best search_coarsely(const ImageView& image, const Window& window, const Templat
     int x = u - window.half_x();
     if (first > x) x += (first - x + 1) & ~1;
     if (last > u + window.half_x()) last = u + window.half_x();
+    const auto counts = [&](int column) {
+      return column <= last && tried < window.places() && window.contains(column, y) &&
+             fits(image, column, y);
+    };
     for (; x <= last && tried < window.places(); x += 2) {
-      if (!window.contains(x, y)) continue;
-      if (!fits(image, x, y)) continue;
+      if (!counts(x)) continue;
       ++tried;
+#if !defined(__ARM_FEATURE_SIMD32)
+      if (counts(x + 2)) {
+        ++tried;
+        try_beside<2, 2>(image, x, y, t, best);
+        x += 2;
+        continue;
+      }
+#endif
       try_at<2>(image, x, y, t, best);
     }
   }

@@ -183,15 +183,16 @@ class RowSampler {
                                             std::integer_sequence<int, X...>) const {
     const std::uint8_t* const below = keep_in_register(p + down_);
     const std::int32_t bias = keep_in_register(kHalf - (128 << 16));
+    const std::int32_t from_left = keep_in_register(256 - fx_);
+    const std::int32_t from_above = keep_in_register(256 - fy_);
     const auto column = [&](int x) __attribute__((always_inline)) {
-      const std::int32_t above = p[x];
-      return (above << 8) + (below[x] - above) * fy_;
+      return p[x] * from_above + below[x] * fy_;
     };
     std::int32_t left = column(0);
     const auto step = [&](int x) __attribute__((always_inline)) {
       const bool ends = x == kPatchSide - 1 && fx_ == 0;
       const std::int32_t right = ends ? 0 : column(x + 1);
-      f(x, (bias + (left << 8) + (right - left) * fx_) >> kShift);
+      f(x, (bias + left * from_left + right * fx_) >> kShift);
       left = right;
     };
     (step(X), ...);
