@@ -58,6 +58,23 @@ TEST(FactorProperty, CovariancesAreTheNearest) {
   }));
 }
 
+/// Row and noise together have 58 to 60 bits of square, unless the finest scale has fewer.
+TEST(FactorProperty, ScalesFollowTheRowAndItsNoise) {
+  EXPECT_TRUE(rc::check([] {
+    Factor S = any_factor();
+    const int row = *rc::gen::inRange(0, kRows);
+    const int noise = *rc::gen::inRange(-90, 20);
+    std::uint32_t count = 0;
+    RC_ASSERT(S.make_room(row, noise, count));
+    RC_ASSERT(count == 0U);
+    const int bits = S.bits(row);
+    const int added = noise + 2 * bits;
+    const Int128 total = product_of(S, row, row) + (Int128{1} << (added > 0 ? added : 0));
+    RC_ASSERT(total <= Int128{1} << 60);
+    RC_ASSERT(bits == Factor::kMostBits || total >= Int128{1} << 57);
+  }));
+}
+
 /// P + v v^T to 1e-8 of both deviations, and a few units.
 TEST(FactorProperty, AbsorbsAVector) {
   EXPECT_TRUE(rc::check([] {
