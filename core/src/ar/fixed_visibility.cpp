@@ -22,11 +22,6 @@ std::int64_t dot(const std::int32_t (&a)[3], const Point& p) {
   return std::int64_t{a[0]} * p.at[0] + std::int64_t{a[1]} * p.at[1] + std::int64_t{a[2]} * p.at[2];
 }
 
-struct ShadowPlanes {
-  HalfSpace at[ConvexPart::kMaxEdges + ConvexPart::kMaxFaces + 1];  ///< and one to try
-  int count = 0;
-};
-
 void set_normal(const Vector3<float>& normal, HalfSpace& plane) {
   Count none = 0;
   for (int i = 0; i < 3; ++i) plane.normal[i] = fixed_of<FixedRatio>(normal(i), none).raw();
@@ -104,19 +99,17 @@ class Shadow {
 };
 
 /// Whether the part `p`, whose vertices' mean lies in the direction of `middle`, lies outside one
-/// plane of the shadow, as most do. Otherwise all `planes` of it.
-bool lies_outside(Shadow& shadow, const ConvexPart& p, const Point* vertices, const Point& middle,
-                  ShadowPlanes& planes) {
-  for (planes.count = 0; shadow.next(planes.at[planes.count]); ++planes.count) {
-    const HalfSpace& plane = planes.at[planes.count];
+/// plane of a shadow, as most do.
+bool lies_outside(Shadow shadow, const ConvexPart& p, const Point* vertices, const Point& middle) {
+  HalfSpace plane = {};
+  while (shadow.next(plane)) {
     const auto is_outside = [&](const Point& point) {
       return dot(plane.normal, point) > plane.offset;
     };
+    if (!is_outside(middle)) continue;
     int outside = 0;
-    if (is_outside(middle)) {
-      while (outside < p.vertices.size() && is_outside(vertices[outside])) ++outside;
-    }
-    if (outside > 0 && outside == p.vertices.size()) return true;
+    while (outside < p.vertices.size() && is_outside(vertices[outside])) ++outside;
+    if (outside == p.vertices.size()) return true;
   }
   return false;
 }
@@ -189,20 +182,20 @@ void find_visible_edges(const ObjectScene& scene, const Point* middles, int p, E
     edges[e].touch = length >> kTouchBits;
     most_touch = edges[e].touch > most_touch ? edges[e].touch : most_touch;
   }
-  ShadowPlanes planes;
   for (int q = 0; q < scene.object.parts.size(); ++q) {
     // With the eye inside a part it has no outline, and hides nothing.
     if (q == p || scene.front[q] == 0) continue;
     Shadow shadow(scene, q, middles[q]);
-    if (lies_outside(shadow, part, vertices, middles[p], planes)) continue;
+    if (lies_outside(shadow, part, vertices, middles[p])) continue;
     bool any = false;
     for (int e = 0; e < part.edges.size(); ++e) {
       edges[e].inside = !edges[e].pieces.empty();
       edges[e].hidden = EdgePiece();
       any = any || edges[e].inside;
     }
-    for (int k = 0; any && k < planes.count; ++k) {
-      any = cut_by_plane(planes.at[k], part, vertices, most_touch, edges);
+    HalfSpace plane = {};
+    while (any && shadow.next(plane)) {
+      any = cut_by_plane(plane, part, vertices, most_touch, edges);
     }
     for (int e = 0; any && e < part.edges.size(); ++e) {
       if (!edges[e].inside || edges[e].hidden.end <= edges[e].hidden.begin) continue;
