@@ -52,6 +52,8 @@ class Drive {
     for (const float end = t_s_ + seconds; t_s_ < end; t_s_ += kStep_s) frame(t_s_);
   }
   const MountOffset& offset() const { return check_.offset(); }
+  /// From now on the mount is as the check was told.
+  void mend() { truth_ = Truth(); }
 
  private:
   float uniform(float low, float high) {
@@ -172,6 +174,24 @@ TEST_P(MountOf, APrincipalPointOffByTwentyPixelsLooksLikeYaw) {
   Truth truth;
   truth.column_px = 20.0F;
   expect(after(truth, 20.0F), MountOffset::kYaw, truth.column_px / 280.0F);
+}
+
+/// An estimate within what is tolerated, but not surely, takes nothing back.
+TEST_P(MountOf, ASuspicionEndsOnlyOnceTheMountIsKnownToBeRight) {
+  Truth truth;
+  truth.yaw = 0.0873F;
+  Drive drive(truth, static_cast<std::uint64_t>(GetParam()));
+  drive.run(20.0F);
+  ASSERT_TRUE(drive.offset().suspect[MountOffset::kYaw]);
+  drive.mend();
+  const auto& offset = drive.offset();
+  constexpr int kMostFrames = 9000;
+  int frames = 0;
+  for (; frames < kMostFrames && offset.suspect[MountOffset::kYaw]; ++frames) drive.run(kStep_s);
+  EXPECT_LT(frames, kMostFrames);
+  constexpr float kTolerance = 0.0175F;
+  EXPECT_LT(abs(offset.value[MountOffset::kYaw]) + 2.0F * offset.sigma[MountOffset::kYaw],
+            kTolerance);
 }
 
 /// Pictures tell the focal length by the yaw of odometry alone.

@@ -89,7 +89,8 @@ void MountEvidence::solve() {
     const float size = abs(value);
     const bool sure =
         size > kSureInSigmas[i] * sigma && size - kBoundInSigmas * sigma > kTolerance[i];
-    const bool still = offset_.suspect[i] && size > kTolerance[i];
+    // What was told holds until it is excluded: a turn, say, shows less of the yaw.
+    const bool still = offset_.suspect[i] && size + kBoundInSigmas * sigma > kTolerance[i];
     offset_.suspect[i] = rows_ >= kLeastRows && (sure || still);
   }
   if (moved) relinearise();
