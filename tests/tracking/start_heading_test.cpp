@@ -100,6 +100,24 @@ TEST_F(HeadingOfAStart, IsTheOdometrysWhereThePicturesContradictIt) {
   EXPECT_NEAR(taken(), 0.45F, 1e-5F);
 }
 
+/// The map begins after a gap: how unsure the heading was at the keyframe says nothing about the
+/// turn since then.
+TEST_F(HeadingOfAStart, IsTheOdometrysWhereAnUnsureHeadingHidesTheContradiction) {
+  Estimate unsure;
+  EXPECT_TRUE(ok(unsure.slam.initialise({}, 0.3F * Matrix3<float>::Identity(), {})));
+  EXPECT_TRUE(ok(unsure.slam.add_position(kFirst)));
+  heading_.begin(unsure);
+  PlanarIncrement<float> turn;
+  turn.turn_rad = 0.05F;
+  turn.covariance(1, 1) = 4e-4F;
+  EXPECT_TRUE(ok(unsure.slam.predict(turn)));
+  const Quaternion<float> far = rotation_exp(Vector3<float>(0.0F, 0.0F, 0.2F));
+  const Quaternion<float>& mount = unsure.mount.rotation;
+  seeds_.now_then = mount.conjugate() * far.conjugate() * mount;
+  heading_.take<Numbers>(seeds_, keyframes_, unsure);
+  EXPECT_NEAR(unsure.slam.mean_pose().heading, 0.05F, 1e-5F);
+}
+
 TEST_F(HeadingOfAStart, IsTheFiltersOnceThereIsALandmark) {
   TrackedLandmark landmark;
   landmark.id = 9;

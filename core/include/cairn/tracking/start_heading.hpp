@@ -16,6 +16,7 @@ class StartHeading {
   template <class Estimate>
   void begin(const Estimate& estimate) {
     then_rad_ = estimate.landmarks().size() == 0 ? estimate.filter().mean_pose().heading : kUnknown;
+    then_variance_ = estimate.filter().own_pose_covariance()(2, 2);
   }
   /// That keyframe is gone.
   void forget() { then_rad_ = kUnknown; }
@@ -29,6 +30,7 @@ class StartHeading {
   static constexpr float kUnknown = 10.0F;
 
   float then_rad_ = kUnknown;
+  float then_variance_ = 0.0F;  ///< a map that begins after a gap does so with an unsure heading
 };
 
 template <class Numbers, class Seeds, class Keyframes, class Estimate>
@@ -44,8 +46,8 @@ void StartHeading::take(Seeds& seeds, const Keyframes& keyframes, Estimate& esti
   auto& filter = estimate.filter();
   Quaternion<float> now_then;
   float variance = 0.0F;
-  if (!seeds.turn_since(keyframes[0], now_then, variance) ||
-      !(kSurer * variance < filter.own_pose_covariance()(2, 2))) {
+  const float by_odometry = filter.own_pose_covariance()(2, 2) - then_variance_;
+  if (!seeds.turn_since(keyframes[0], now_then, variance) || !(kSurer * variance < by_odometry)) {
     return;
   }
   const Quaternion<float>& mount = estimate.T_vehicle_camera().rotation;
@@ -54,7 +56,7 @@ void StartHeading::take(Seeds& seeds, const Keyframes& keyframes, Estimate& esti
   PlanarPose<float> pose = filter.mean_pose();
   const float heading = wrap_angle(then_rad_ - atan2(ahead_then.y(), ahead_then.x()));
   const float turned = wrap_angle(heading - pose.heading);
-  if (square(turned) > kContradiction * filter.own_pose_covariance()(2, 2)) return;
+  if (square(turned) > kContradiction * by_odometry) return;
   pose.heading = heading;
   static_cast<void>(filter.place(pose, kAnywhere_m2, kHonest * variance));
   seeds.stand_at(Numbers::T_world_camera(estimate));
