@@ -114,8 +114,7 @@ OdometryMotion::Step OdometryIntegrator::settling(const OdometrySample& sample) 
 }
 
 void OdometryIntegrator::note_image_update(float ahead_m, float turn_rad, float step_s, bool sure) {
-  corrected_us_ = time_us_;
-  settling_ = 0;
+  note_placed_pose();
   if (!(step_s > 0.0F)) return;
   if (sure && motion_.has_sample()) follow_image(ahead_m, turn_rad, step_s);
   if (!motion_.by_images()) trust_.note_slip(abs(ahead_m) / step_s, step_s, motion_);

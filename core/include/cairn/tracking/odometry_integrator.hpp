@@ -56,6 +56,12 @@ class OdometryIntegrator {
   template <class Filter>
   Status restart_clock(std::int64_t t_us, Filter& filter);
 
+  /// An image has placed the pose at its present time: what was held until now, or before in a gap,
+  /// needs no correction by odometry.
+  void note_placed_pose() {
+    corrected_us_ = time_us_;
+    settling_ = 0;
+  }
   /// An image has corrected the pose at its present time, by `ahead_m` along the vehicle's heading
   /// and by `turn_rad`, since the frame `step_s` before: what was held until now needs no
   /// correction by odometry. A correction far beyond the noise means that the wheels slip, and

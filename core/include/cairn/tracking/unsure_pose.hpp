@@ -76,6 +76,32 @@ __attribute__((noinline)) bool confirm(VehicleFrame<Config>& frame,
          monitor.confirms_place(measurement.matches().size(), searched);
 }
 
+/// The filter's pose is `pose`, which was recognised by `matches`, to a tenth of a radian, and in
+/// position to what turns the view of them by as much.
+template <class Filter>
+__attribute__((noinline)) typename Filter::Placement place_at(
+    VehicleEstimate<Filter>& estimate, const PlanarPose<float>& pose,
+    const typename VehicleEstimate<Filter>::Matches& matches) {
+  constexpr float kSigma_rad = 0.1F;
+  Filter& filter = estimate.filter();
+  float distances_m = 0.0F;
+  for (const PixelMatch<float>& match : matches) {
+    const Vector3<float> place = filter.mean_landmark(filter.find(match.id));
+    distances_m += (place.template head<2>() - pose.position).norm();
+  }
+  const float mean_m = matches.empty() ? 0.0F : distances_m / static_cast<float>(matches.size());
+  return filter.place(pose, square(kSigma_rad * mean_m), square(kSigma_rad));
+}
+
+/// After the update at such a pose: what it left unsure of the pose stays so. The next frames see
+/// the same few landmarks, whose errors last, and do not average them out.
+template <class Filter>
+__attribute__((noinline)) void keep_pose_error(Filter& filter) {
+  const Matrix3<float> covariance = filter.own_pose_covariance();
+  const float position = covariance(0, 0) > covariance(1, 1) ? covariance(0, 0) : covariance(1, 1);
+  static_cast<void>(filter.drift_world(position, covariance(2, 2)));
+}
+
 /// Updates the estimate about the pose that the frame's matches agree on; nothing changes,
 /// kNoConsensus, where they do not.
 template <class Config, class Filter>
@@ -85,10 +111,14 @@ __attribute__((noinline)) PixelUpdate update_unsure(
   PixelUpdate result;
   result.status = Status::kNoConsensus;
   if (!frame.agrees) return result;
-  const auto before = estimate.place(frame.agreed);
+  const auto before = place_at(estimate, frame.agreed, measurement.matches());
   result = estimate.update(frame, measurement.matches(),
                            monitor.min_inliers(measurement.counts(), estimate.min_inliers()));
-  if (result.inliers == 0) estimate.filter().put_back(before);
+  if (result.inliers == 0) {
+    estimate.filter().put_back(before);
+  } else {
+    keep_pose_error(estimate.filter());
+  }
   return result;
 }
 

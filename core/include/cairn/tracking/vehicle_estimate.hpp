@@ -119,13 +119,6 @@ class VehicleEstimate {
   PixelUpdate update(FrameContext& frame, Matches& matches, int min_inliers);
 
   using Placement = typename Filter::Placement;
-  /// The filter's pose is `pose`, which was recognised, to a tenth of a radian and half of the
-  /// camera's height.
-  Placement place(const PlanarPose<float>& pose) {
-    constexpr float kHeading_rad = 0.1F;
-    const float position_m = 0.5F * T_vehicle_camera_.translation.z();
-    return filter_.place(pose, square(position_m), square(kHeading_rad));
-  }
   /// Before the update of an unsure pose, over which pixels are not linear and false matches agree:
   /// finds the pose that the matches agree on and leaves those alone. False, all unchanged, where
   /// chance would agree as well or the frame cannot pay for it. `sightings`: memory for

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "cairn/tracking/live_landmarks.hpp"
+#include "cairn/tracking/unsure_pose.hpp"
 #include "cairn/tracking/vehicle_archive.hpp"
 #include "cairn/tracking/vehicle_local_map.hpp"
 #include "cairn/tracking/vehicle_relocalisation.hpp"
@@ -251,14 +252,18 @@ PlaceVerification VehicleMapReuse<Config, Filter>::verify(Frame& frame, Estimate
   reactivate_matches(frame, estimate, library, scratch, reactivated);
   result.matches = scratch.matches.size();
   const typename Estimate::Placement before =
-      unsure ? estimate.place(pose_found(estimate)) : typename Estimate::Placement{};
+      unsure ? place_at(estimate, pose_found(estimate), scratch.matches)
+             : typename Estimate::Placement{};
   if (result.matches > 0) {
     result.update = estimate.update(frame, scratch.matches,
                                     monitor.min_relocalisation_inliers(scratch.matches.size()));
   }
   result.updated = true;
   result.confirmed = result.update.inliers > 0;
-  if (result.confirmed) return result;
+  if (result.confirmed) {
+    if (unsure) keep_pose_error(estimate.filter());
+    return result;
+  }
   if (unsure) estimate.filter().put_back(before);
   for (const LandmarkId id : reactivated) estimate.remove(frame, estimate.filter().find(id));
   return result;

@@ -246,6 +246,7 @@ Status FrameTracker<Config, Filter>::relocalise(Frame& frame, const Library& lib
   measurement_.replace(place.matches, place.update);
   if (place.matches > 0) frame.report.update = place.update.report;
   if (place.confirmed) {
+    odometry_.note_placed_pose();
     note_matches(frame, scratch_.expected.matches);
     monitor_.forget_mean();
   }
