@@ -73,6 +73,8 @@ class VehicleMapReuse {
   bool relocalises(int weak_frames) const { return usable_ && relocalisation_.wanted(weak_frames); }
   /// The frame's image is for the relocalisation: no landmark is to be searched.
   bool takes_image() const { return relocalisation_.image_wanted(); }
+  /// Whether an image showed nothing of the map since the place was last known.
+  bool looked() const { return relocalisation_.looked(); }
   /// Units of work to be kept for relocalise().
   int next_work() const { return relocalisation_.next_work(); }
   /// The place is known again.

@@ -50,6 +50,8 @@ class VehicleRelocalisation {
     unrecognised_ = 0;
   }
 
+  /// Whether an image was compared since the pose was last known, and nothing recognised in it.
+  bool looked() const { return looks_ > 0; }
   /// Enough images were compared: the vehicle is at a place that the library does not have.
   bool unknown() const { return unrecognised_ >= parameters_.unknown_after; }
   bool wanted(int weak_frames) const {

@@ -211,8 +211,8 @@ Status FrameTracker<Config, Filter>::keep_map(Frame& frame, Status status) {
       monitor_.holds(measurement_.counts()) || state() == TrackingState::kInitialising;
   const bool usable = map_reuse_.usable(library);
   // A frame whose image is captured searches nothing, and says nothing about the map.
-  thin_map_ = !known && !unsure() && state() != TrackingState::kLost && !map_reuse_.takes_image() &&
-              measurement_.counts().could_search &&
+  thin_map_ = !known && !unsure() && !map_reuse_.looked() && state() != TrackingState::kLost &&
+              !map_reuse_.takes_image() && measurement_.counts().could_search &&
               local_map_.is_thin(measurement_.counts().searched);
   if (known || thin_map_) local_map_.remove_unreliable(frame, estimate_, map_reuse_.archive());
   if (known) {
