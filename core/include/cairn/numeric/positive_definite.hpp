@@ -19,7 +19,7 @@ template <class T, int Capacity>
 bool factor_semidefinite(PackedSymmetric<T, Capacity>& a) {
   constexpr T kZero = T(64.0 * kEpsilonInDouble<T>);  // of a state's variance
   const int n = a.size();
-  T variance[Capacity];
+  T variance[Capacity] = {};
   for (int i = 0; i < n; ++i) variance[i] = a.row(i)[i];
   for (int k = 0; k < n; ++k) {
     const T pivot = a.row(k)[k];
