@@ -95,6 +95,11 @@ void add_options(CLI::App& command, RunOptions& options) {
                   "Vehicle: time in which pitch and roll return to 1/e, s")
       ->check(above_zero());
   command
+      .add_option("--travel-sigma", options.travel_sigma_rad,
+                  "Vehicle: standard deviation of the angle between its direction of travel and "
+                  "where the camera's mount says, rad; 0: known exactly")
+      ->check(between(0.0, 0.1));
+  command
       .add_option("--uneven-floor", options.hall_tilt_rad,
                   "The hall's vehicle pitches and rolls by so much, rad rms")
       ->check(between(0.0, 0.1));
@@ -150,6 +155,9 @@ void register_run_command(CommandContext& context) {
     check_fading(options->fading);
     if (!options->record.empty() && !options->handheld.is_in_log()) {
       throw UsageError("--record: an input log replays the tracker's own settings");
+    }
+    if (!options->record.empty() && options->travel_sigma_rad) {
+      throw UsageError("--travel-sigma: not with --record: an input log replays the tracker's own");
     }
     if (options->view) require_viewer();
     if (!options->force) refuse_full_folder(options->out);

@@ -47,6 +47,7 @@ const Names& picture_options() {
                               "--suspension",
                               "--tilt-sigma",
                               "--tilt-time-constant",
+                              "--travel-sigma",
                               "--measurement",
                               "--corner-score",
                               "--sigma-px",

@@ -86,6 +86,19 @@ TiltParameters<double> tilt_of(const RunOptions& options, const SourceInfo& sour
   return TiltParameters<double>::flat_floor();
 }
 
+/// How well the direction of travel is known: one filter alone estimates it.
+std::optional<double> travel_sigma_of(const RunOptions& options, const TrackerOptions& tracker) {
+  if (!options.travel_sigma_rad) return std::nullopt;
+  if (tracker.mode == Mode::kHandheld) throw UsageError("--travel-sigma: only for --mode vehicle");
+  if (tracker.filter != kDefaultVehicleFilter && *options.travel_sigma_rad > 0.0) {
+    throw UsageError(
+        fmt::format("--travel-sigma: --filter {} has no state of the direction of "
+                    "travel, group-iekf alone has",
+                    tracker.filter));
+  }
+  return options.travel_sigma_rad;
+}
+
 }  // namespace
 
 Mode mode_of(const RunOptions& options, const SourceInfo& source) {
@@ -145,6 +158,7 @@ TrackerOptions tracker_options(const RunOptions& options, const SourceInfo& sour
     set_start(options, first, tracker);
     tracker.tilt = tilt_of(options, source, tracker.filter);
   }
+  tracker.travel_sigma_rad = travel_sigma_of(options, tracker);
   return tracker;
 }
 

@@ -51,9 +51,10 @@ struct RunOptions {
   std::string suspension;  ///< flat, car, rover; empty: the source's own
   std::optional<double> tilt_sigma_rad;
   std::optional<double> tilt_time_constant_s;
-  double hand_readout_ms = 0.0;   ///< of a picture of hall-hand
-  double hall_tilt_rad = 0.0;     ///< how far the hall's vehicle tilts, rms
-  std::string profile = "plain";  ///< plain, calibrated: of landmark recordings
+  std::optional<double> travel_sigma_rad;  ///< of a vehicle's direction of travel
+  double hand_readout_ms = 0.0;            ///< of a picture of hall-hand
+  double hall_tilt_rad = 0.0;              ///< how far the hall's vehicle tilts, rms
+  std::string profile = "plain";           ///< plain, calibrated: of landmark recordings
   HandheldOptions handheld;
   std::optional<int> work_limit;  ///< units of work a frame; empty: the tracker's own
   std::filesystem::path camera;

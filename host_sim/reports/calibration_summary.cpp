@@ -1,10 +1,18 @@
 #include "host_sim/reports/calibration_summary.hpp"
 
+#include <cmath>
+
 #include "host_sim/reports/gyro_meaning.hpp"
 
 namespace cairn::host {
 
 using nlohmann::json;
+
+namespace {
+
+constexpr double kDegrees = 180.0 / kPi<double>;
+
+}  // namespace
 
 json mount_json(const RunRecord& record) {
   if (!record.mount.has_value()) return nullptr;
@@ -13,7 +21,6 @@ json mount_json(const RunRecord& record) {
                 {"sigma", unit * static_cast<double>(record.mount->sigma[which])},
                 {"suspect", record.mount->suspect[which]}};
   };
-  constexpr double kDegrees = 180.0 / kPi<double>;
   return {
       {"yaw_deg", part(MountOffset::kYaw, kDegrees)},
       {"pitch_deg", part(MountOffset::kPitch, kDegrees)},
@@ -44,6 +51,12 @@ json yaw_json(const RunRecord& record) {
   return {{"ratio", ratio != 0.0F ? json(ratio) : json(nullptr)},
           {"suspect", record.yaw->suspect()},
           {"suspect_frames", record.health.yaw_suspicions}};
+}
+
+json travel_json(const RunRecord& record) {
+  if (!record.travel.has_value()) return nullptr;
+  return {{"left_deg", kDegrees * static_cast<double>(record.travel->angle_rad)},
+          {"sigma_deg", kDegrees * std::sqrt(static_cast<double>(record.travel->variance))}};
 }
 
 json gyro_json(const RunRecord& record) {

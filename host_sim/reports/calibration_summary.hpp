@@ -17,6 +17,9 @@ nlohmann::json ground_json(const RunRecord& record);
 nlohmann::json focal_json(const RunRecord& record);
 /// Yaw rate of the odometry over that of the pictures; null in hand-held mode.
 nlohmann::json yaw_json(const RunRecord& record);
+/// How far to the left of the mount's axis the vehicle travels, degrees; null where that is not
+/// estimated.
+nlohmann::json travel_json(const RunRecord& record);
 /// What is known of the gyroscope; null without one.
 nlohmann::json gyro_json(const RunRecord& record);
 

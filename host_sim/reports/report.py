@@ -257,6 +257,7 @@ def title_of(source):
 
 def cards(summary):
     t, r, l = summary["trajectory"], summary["registration_px"], summary["latency_ms"]
+    travel = summary.get("travel")
     items = [
         ("frames tracked", f"{summary['tracked']} of {summary['frames']}"),
         ("latency, median / 99 %", f"{l['p50']:.2f} / {l['p99']:.2f} ms"),
@@ -269,6 +270,8 @@ def cards(summary):
         ("NEES (3 is consistent)", summary["nees"]["mean"] is not None and value(summary["nees"]["mean"], 2)),
         ("NIS / degrees of freedom", summary["nis"]["mean"] is not None
          and f"{value(summary['nis']['mean'], 1)} / {value(summary['nis']['dof'], 1)}"),
+        ("drives to the left of the mount's axis", travel and value(travel["left_deg"], 2) + " &plusmn; "
+         + value(travel["sigma_deg"], 2, "&deg;")),
         ("landmarks in the map", f"{summary['map']['landmarks']} of {summary['map']['capacity']}"),
     ]
     return card_row(items)

@@ -36,6 +36,8 @@ void write_manifest(const std::filesystem::path& folder, const RunIdentity& iden
                       {{"sigma_pitch_rad", options.tilt.sigma_pitch_rad},
                        {"sigma_roll_rad", options.tilt.sigma_roll_rad},
                        {"time_constant_s", options.tilt.time_constant_s}}},
+                     {"travel_sigma_rad",
+                      options.travel_sigma_rad ? json(*options.travel_sigma_rad) : json(nullptr)},
                      {"tracker", record.tracker}};
   manifest.source = {{"name", identity.source},
                      {"frame_rate_hz", source.frame_rate_hz},

@@ -25,8 +25,10 @@ constexpr double kNisTooLarge = 1.5;
 constexpr double kNisSmall = 0.3;
 constexpr double kFocalSigmas = 3.0;
 constexpr double kLeastFocalPercent = 1.0;
-constexpr double kGuessPercent = 15.0;      // sigma of what is no calibration
-constexpr double kMostRegistration = 0.01;  // of the picture's width
+constexpr double kGuessPercent = 15.0;  // sigma of what is no calibration
+constexpr double kTravelSigmas = 3.0;
+constexpr double kLeastTravelDegrees = 0.05;  // what is written as 0.1
+constexpr double kMostRegistration = 0.01;    // of the picture's width
 
 constexpr const char* kWhyLost =
     "A camera in the hand is lost where it turns or moves faster than the landmarks can be "
@@ -67,6 +69,7 @@ class Judge {
     judge_ground();
     judge_focal();
     judge_yaw();
+    judge_travel();
     judge_gyro();
     judge_consistency();
     judge_errors();
@@ -239,6 +242,17 @@ class Judge {
           "The odometry's yaw rate was not that of the pictures in {} frames, and is at the end",
           frames);
     }
+  }
+
+  void judge_travel() {
+    if (!summary_.contains("travel") || summary_["travel"].is_null()) return;
+    const auto left = summary_["travel"]["left_deg"].get<double>();
+    const auto sigma = summary_["travel"]["sigma_deg"].get<double>();
+    if (std::abs(left) <= std::max(kTravelSigmas * sigma, kLeastTravelDegrees)) return;
+    say(Grade::kNote,
+        "The vehicle drives {:.1f} degrees to the {} of where the camera's mount says, +- {:.2f}; "
+        "it was tracked with that",
+        std::abs(left), left > 0.0 ? "left" : "right", sigma);
   }
 
   void judge_gyro() {

@@ -111,6 +111,7 @@ class FrameLoop {
     record_.ground = tracker_.ground();
     record_.focal = tracker_.focal_scale();
     record_.yaw = tracker_.yaw();
+    record_.travel = tracker_.travel();
     record_.gyro = tracker_.gyro();
     for (int i = 0; i < monitor_.record_count(); ++i) record_.events.push_back(monitor_.record(i));
     record_.tracker = tracker_.description();

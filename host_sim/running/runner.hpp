@@ -55,6 +55,7 @@ struct RunRecord {
   std::optional<GroundCheck> ground;
   std::optional<FocalScale> focal;
   std::optional<YawCheck> yaw;
+  std::optional<DirectionOfTravel<float>> travel;
   std::optional<GyroReport> gyro;
   std::optional<int> mount_suspect_frame;  ///< index in `frames` of the first with a suspicion
   std::vector<HealthRecord> events;        ///< the last ones, the newest first

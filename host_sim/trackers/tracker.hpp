@@ -15,6 +15,7 @@
 #include "cairn/geometry/focal_scale.hpp"
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/planar/tilt.hpp"
+#include "cairn/planar/types.hpp"
 #include "cairn/tracking/frame_report.hpp"
 #include "cairn/tracking/ground_check.hpp"
 #include "cairn/tracking/handheld_gyro.hpp"
@@ -83,6 +84,8 @@ class Tracker {
   virtual std::optional<GroundCheck> ground() const { return std::nullopt; }
   /// Whether odometry turns as the pictures do. Vehicle mode alone.
   virtual std::optional<YawCheck> yaw() const { return std::nullopt; }
+  /// How far the vehicle travels beside the axis that the mount says, where that is estimated.
+  virtual std::optional<DirectionOfTravel<float>> travel() const { return std::nullopt; }
   /// Vehicle mode alone.
   virtual std::optional<PlanarPoseEstimate> vehicle_pose() const { return std::nullopt; }
   /// Covariance of the attitude, rad^2, camera axes; of a small turn after it. Handheld mode alone.
@@ -117,6 +120,8 @@ struct TrackerOptions {
   double start_position_variance = kKnownStartVariance;
   double start_heading_variance = kKnownStartVariance;
   TiltParameters<double> tilt;  ///< of the vehicle's body
+  /// Of the direction of travel, group-iekf alone; empty: the tracker's own.
+  std::optional<double> travel_sigma_rad;
 };
 
 /// The core's tracker for `options` on a source. Domain: filter and mode go together, and a source

@@ -13,6 +13,15 @@
 namespace cairn::host {
 namespace {
 
+template <class Filter>
+DirectionOfTravel<float> travel_of(const Filter& filter) {
+  return filter.travel();
+}
+template <int MaxLandmarks>
+DirectionOfTravel<float> travel_of(const FixedVehicleSlam<MaxLandmarks>& /*filter*/) {
+  return {};
+}
+
 template <class Config, class Filter>
 class VehicleAdapter : public CoreAdapter<VehicleTracker<Config, Filter>> {
  public:
@@ -21,6 +30,7 @@ class VehicleAdapter : public CoreAdapter<VehicleTracker<Config, Filter>> {
   VehicleAdapter(const TrackerOptions& options, const SourceInfo& source)
       : CoreAdapter<Core>(kVehicleObjectHeight),
         header_(to_log_header(options, source, 0)),
+        travel_sigma_rad_(options.travel_sigma_rad),
         work_limit_(options.work_limit),
         filter_name_(options.filter),
         source_name_(source.name) {
@@ -87,6 +97,10 @@ class VehicleAdapter : public CoreAdapter<VehicleTracker<Config, Filter>> {
   std::optional<MountOffset> mount_offset() const override { return this->core().mount_offset(); }
   std::optional<GroundCheck> ground() const override { return this->core().ground(); }
   std::optional<YawCheck> yaw() const override { return this->core().yaw(); }
+  std::optional<DirectionOfTravel<float>> travel() const override {
+    const DirectionOfTravel<float> travel = travel_of(this->core().filter());
+    return travel.variance > 0.0F ? std::optional(travel) : std::nullopt;
+  }
 
   nlohmann::json description() const override {
     return {{"mode", "vehicle"},
@@ -108,7 +122,11 @@ class VehicleAdapter : public CoreAdapter<VehicleTracker<Config, Filter>> {
   /// As a replay of the run's log starts.
   void start(std::int64_t t_us) {
     header_.start_t_us = t_us;
-    const Status status = start_replay(header_, this->core());
+    typename Core::Parameters parameters;
+    if (travel_sigma_rad_) {
+      parameters.filter.travel_sigma_rad = static_cast<float>(*travel_sigma_rad_);
+    }
+    const Status status = start_replay(header_, this->core(), parameters);
     if (!ok(status)) {
       throw InputError(source_name_, fmt::format("camera, mounting or odometry noise refused: {}",
                                                  to_string(status)));
@@ -120,6 +138,7 @@ class VehicleAdapter : public CoreAdapter<VehicleTracker<Config, Filter>> {
   bool with_gyro_ = false;
   float wheels_sigma_ = 0.0F;  ///< of the wheels' own yaw rate, rad/s a sample
   InputLogHeader header_;
+  std::optional<double> travel_sigma_rad_;
   std::optional<int> work_limit_;
   std::string filter_name_;
   std::string source_name_;

@@ -40,6 +40,18 @@ for option in "--fading 1.01" "--measurement freak" "--estimate-focal-length"; d
 done
 expect 2 "--focal-sigma: only for --filter window" \
   run hall-small --mode handheld --filter mono --focal-sigma 0.1 --max-frames 2 --out out
+for filter in group-iekf-fixed lifted-iekf ekf; do
+  expect 2 "--travel-sigma: --filter $filter has no state of the direction of travel" \
+    run hall-small --filter $filter --travel-sigma 0.01 --max-frames 2 --out out
+done
+expect 2 "--travel-sigma: only for --mode vehicle" \
+  run hall-small --mode handheld --travel-sigma 0.01 --max-frames 2 --out out
+expect 2 "--travel-sigma: not with --record|input log" \
+  run hall-small --travel-sigma 0.01 --record r.log --max-frames 2 --out out
+expect 2 "--travel-sigma: source 'mrclam'" run mrclam:.:1 --travel-sigma 0.01 --out out
+for sigma in -0.001 0.11 nan; do
+  expect 2 "--travel-sigma|'$sigma'" run hall-small --travel-sigma $sigma --max-frames 2 --out out
+done
 expect 2 "--focal-sigma" run hall-small --mode handheld --focal-sigma 0.7 --max-frames 2 --out out
 expect 2 "--start-position-variance|--mode vehicle" \
   run hall-small --mode handheld --start-position-variance 1 --max-frames 2 --out out

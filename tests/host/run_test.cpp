@@ -216,6 +216,8 @@ TEST(Runner, WritesTheContractsFilesWithTrueFigures) {
   EXPECT_TRUE(summary["nis"]["mean"].is_null());
   EXPECT_EQ(summary["map"]["capacity"], 64);
   EXPECT_GT(summary["registration_px"]["max"].get<double>(), 1.0);
+  EXPECT_NEAR(summary["travel"]["left_deg"].get<double>(), 0.40107, 1e-4);
+  EXPECT_NEAR(summary["travel"]["sigma_deg"].get<double>(), 0.0573, 1e-4);
 
   LineReader lines(folder.path() / "frames.csv");
   TextLine line;
@@ -246,6 +248,8 @@ TEST(Runner, WritesTheContractsFilesWithTrueFigures) {
   ASSERT_NE(at, std::string::npos);
   EXPECT_LT(at, page.find("<div class='cards'>"));
   EXPECT_NE(page.find("NEES 12.5"), std::string::npos);
+  EXPECT_NE(page.find("drives 0.4 degrees to the left"), std::string::npos);
+  EXPECT_NE(page.find("0.40 &plusmn; 0.06&deg;"), std::string::npos);
   const auto count = [&](const std::string& part) {
     int n = 0;
     for (std::size_t i = page.find(part); i != std::string::npos; i = page.find(part, i + 1)) ++n;
@@ -255,6 +259,29 @@ TEST(Runner, WritesTheContractsFilesWithTrueFigures) {
   EXPECT_EQ(count("<video "), 1);
   EXPECT_NE(page.find("Leon Sorokin"), std::string::npos) << "the licence of the charts' library";
   EXPECT_EQ(count("<img "), static_cast<int>(run.record.pictures.size()));
+}
+
+/// WHEN the direction of travel is told with a sigma, THEN the filter begins with it; at 0, and in
+/// filters without that state, nothing is estimated.
+TEST(Runner, TellsTheTrackerHowWellTheDirectionOfTravelIsKnown) {
+  HallOptions hall;
+  hall.width = 320;
+  hall.frame_count = 1;
+  const SourceInfo source = make_hall_source(hall)->info();
+  const auto travel_of = [&](const char* filter, std::optional<double> sigma_rad) {
+    TrackerOptions options;
+    options.filter = filter;
+    options.travel_sigma_rad = sigma_rad;
+    return make_tracker(options, source)->travel();
+  };
+  ASSERT_TRUE(travel_of("group-iekf", 0.02).has_value());
+  EXPECT_FLOAT_EQ(travel_of("group-iekf", 0.02)->variance, 4e-4F);
+  ASSERT_TRUE(travel_of("group-iekf", std::nullopt).has_value());
+  EXPECT_FLOAT_EQ(travel_of("group-iekf", std::nullopt)->variance, 0.0035F * 0.0035F);
+  EXPECT_FALSE(travel_of("group-iekf", 0.0).has_value());
+  for (const char* filter : {"group-iekf-fixed", "lifted-iekf", "ekf"}) {
+    EXPECT_FALSE(travel_of(filter, std::nullopt).has_value()) << filter;
+  }
 }
 
 TEST(Runner, HealthTableHasWhatGrewInEachFrame) {

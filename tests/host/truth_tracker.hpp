@@ -43,6 +43,9 @@ class TruthTracker final : public Tracker {
   int landmark_capacity() const override { return 64; }
   Health health() const override { return {}; }
   std::optional<PlanarPoseEstimate> vehicle_pose() const override { return pose_; }
+  std::optional<DirectionOfTravel<float>> travel() const override {
+    return DirectionOfTravel<float>{0.007F, 1e-6F};
+  }
   nlohmann::json description() const override { return {{"tracker", "truth"}}; }
 
  private:

@@ -83,6 +83,25 @@ TEST(Verdict, SaysWhatIsWrongWithTheOdometrysYawRate) {
   EXPECT_TRUE(says(text_of(judge(summary, 640)), {"note The odometry's yaw rate", "12 frames"}));
 }
 
+/// WHEN the direction of travel differs from the mount by more than three sigmas, THEN that is
+/// said.
+TEST(Verdict, SaysWhereTheVehicleDrives) {
+  json summary = good_summary();
+  const auto text_with = [&](double left_deg, double sigma_deg) {
+    summary["travel"] = {{"left_deg", left_deg}, {"sigma_deg", sigma_deg}};
+    return text_of(judge(summary, 640));
+  };
+  EXPECT_TRUE(
+      says(text_with(0.42, 0.08), {"Tracked well",
+                                   "note The vehicle drives 0.4 degrees to the left of where the "
+                                   "camera's mount says, +- 0.08"}));
+  EXPECT_TRUE(says(text_with(-0.31, 0.1), {"drives 0.3 degrees to the right of"}));
+  EXPECT_EQ(text_with(-0.29, 0.1).find("drives"), std::string::npos);
+  EXPECT_EQ(text_with(0.04, 0.01).find("drives"), std::string::npos) << "0.0 degrees is nothing";
+  summary["travel"] = nullptr;
+  EXPECT_EQ(text_of(judge(summary, 640)).find("drives"), std::string::npos);
+}
+
 TEST(Verdict, NamesWhatIsBadFirst) {
   json summary = good_summary();
   summary["nees"]["mean"] = 9.4;

@@ -15,9 +15,10 @@ namespace cairn {
 
 /// Sets a tracker up as the header of an input log says. kBadConfig when the log is of the other
 /// mode, or as the tracker's initialise(). The filter of a log is the caller's to choose: it is the
-/// tracker's type.
+/// tracker's type. `parameters`: those that no header has; a replay leaves them as they are.
 template <class Config, class Filter>
-Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>& tracker);
+Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>& tracker,
+                    typename VehicleTracker<Config, Filter>::Parameters parameters = {});
 template <class Config>
 Status start_replay(const InputLogHeader& header, HandheldTracker<Config>& tracker);
 template <class Config>
@@ -71,10 +72,9 @@ std::uint64_t frame_hash(const Tracker& tracker, const FrameReport& report) {
 }
 
 template <class Config, class Filter>
-Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>& tracker) {
+Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>& tracker,
+                    typename VehicleTracker<Config, Filter>::Parameters parameters) {
   if (header.mode != LogMode::kVehicle) return Status::kBadConfig;
-  using Tracker = VehicleTracker<Config, Filter>;
-  typename Tracker::Parameters parameters;
   parameters.seed = header.seed;
   parameters.odometry.sigma_speed_mps = header.speed_sigma_mps;
   parameters.odometry.sigma_turn = header.turn_sigma;
@@ -85,7 +85,7 @@ Status start_replay(const InputLogHeader& header, VehicleTracker<Config, Filter>
   parameters.odometry.wheelbase_m = named ? header.wheelbase_m : kNoWheelbase_m;
   parameters.odometry.sample_period_s = header.odometry_period_s;
   parameters.filter.tilt = header.tilt;
-  typename Tracker::Start start;
+  typename VehicleTracker<Config, Filter>::Start start;
   start.pose.position = Vector2<float>(header.start_x_m, header.start_y_m);
   start.pose.heading = header.start_theta_rad;
   start.covariance(0, 0) = header.start_position_variance;
