@@ -27,9 +27,10 @@ std::unique_ptr<FrameSource> make_tag_board_source(const std::filesystem::path& 
 
 /// KITTI odometry: `image_0`, `image_l` or `image_2`, `calib.txt`, `times.txt` where there is one
 /// (10 Hz otherwise), and poses from `poses.txt` or, as downloaded, `../../poses/NN.txt`. Vehicle
-/// mode: the vehicle is below the camera, 1.65 m; odometry (speed and yaw rate) is derived from the
-/// poses with noise of 0.1 m/s and 0.01 rad/s, drawn by `seed`. Without poses, as the sequences
-/// from 11 on are: hand-held mode.
+/// mode: the vehicle's origin is on the ground below the IMU, 1.08 m behind, 0.32 m left of
+/// and 1.65 m below camera 0; odometry (speed and yaw rate) is derived from the poses with noise of
+/// 0.1 m/s and 0.01 rad/s, drawn by `seed`. Without poses, as the sequences from 11 on are:
+/// hand-held mode.
 std::unique_ptr<FrameSource> make_kitti_source(const std::filesystem::path& folder,
                                                const FrameRange& range, std::uint64_t seed);
 

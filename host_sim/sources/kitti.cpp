@@ -17,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kCameraHeight = 1.65;  // of the recording car
 constexpr double kSpeedSigma = 0.1;
 constexpr double kYawRateSigma = 0.01;
 
@@ -61,10 +60,11 @@ RectifiedCamera read_calibration(const fs::path& path, int index, const fs::path
   return rectified;
 }
 
+/// Camera 0 on the recording car, whose origin is on the ground below the IMU, near the rear axle.
 Rigid<double> mounting() {
   Matrix3<double> R_vehicle_camera;
   R_vehicle_camera << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return {Quaternion<double>(R_vehicle_camera), Vector3<double>(0.0, 0.0, kCameraHeight)};
+  return {Quaternion<double>(R_vehicle_camera), Vector3<double>(1.08, -0.32, 1.65)};
 }
 
 double heading(const Rigid<double>& T_world_vehicle) {
@@ -180,9 +180,10 @@ std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const Fra
   info.inputs = {folder / "calib.txt"};
   const fs::path poses_path = poses_of(folder);
   const bool has_poses = !poses_path.empty();
+  const Rigid<double> T_vehicle_camera0 = mounting();
   std::vector<Rigid<double>> poses;
   if (has_poses) {
-    info.T_vehicle_camera = mounting();
+    info.T_vehicle_camera = {T_vehicle_camera0.rotation, T_vehicle_camera0 * rectified.p_camera0};
     info.odometry =
         OdometryModel{OdometrySample::Kind::kTwist, kSpeedSigma, kYawRateSigma, 0.0, 0.1};
     info.tilt = TiltParameters<double>::car();
@@ -212,11 +213,9 @@ std::unique_ptr<FrameSource> make_kitti_source(const fs::path& folder, const Fra
     frame.known.t_us = times.empty() ? std::int64_t{100000} * (files[i].number - files[0].number)
                                      : times[time_rows[i]];
     if (has_poses) {
-      Rigid<double> pose = poses[pose_rows[i]];
-      if (!rectified.p_camera0.isZero()) pose.translation = pose * rectified.p_camera0;
-      frame.known.true_T_world_camera = info.T_vehicle_camera * pose;
       frame.known.true_T_world_vehicle =
-          *frame.known.true_T_world_camera * info.T_vehicle_camera.inverse();
+          T_vehicle_camera0 * poses[pose_rows[i]] * T_vehicle_camera0.inverse();
+      frame.known.true_T_world_camera = *frame.known.true_T_world_vehicle * info.T_vehicle_camera;
     }
     if (has_poses && i > 0) {
       frame.known.odometry.push_back(odometry_between(frames.back().known, frame.known, random));

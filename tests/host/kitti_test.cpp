@@ -37,7 +37,9 @@ TEST(Kitti, PublicLayoutHasItsPosesBesideTheSequences) {
     const std::vector<Frame> frames = all_frames(*source);
     ASSERT_EQ(frames.size(), 3U);
     EXPECT_EQ(frames[1].t_us, 103736);
-    EXPECT_NEAR(frames[2].true_T_world_camera->translation.x(), 2.0, 1e-9);
+    const Vector3<double> ahead =
+        frames[2].true_T_world_camera->translation - frames[0].true_T_world_camera->translation;
+    EXPECT_NEAR((ahead - Vector3<double>(2.0, 0.0, 0.0)).norm(), 0.0, 1e-9);
     ASSERT_EQ(frames[2].odometry.size(), 1U);
     EXPECT_NEAR(frames[2].odometry[0].speed_mps, 1.0 / 0.103736, 0.5);
   }
@@ -79,7 +81,7 @@ TEST(Kitti, RowsBelongToNumbers) {
     std::vector<int> found;
     for (const Frame& frame : all_frames(*make_kitti_source(folder.path(), {}, 1))) {
       found.push_back(static_cast<int>(frame.t_us / 100000));
-      EXPECT_NEAR(frame.true_T_world_camera->translation.x(), found.back(), 1e-6);
+      EXPECT_NEAR(frame.true_T_world_vehicle->translation.x(), found.back(), 1e-6);
     }
     return found;
   };
@@ -119,8 +121,43 @@ TEST(Kitti, ColourPicturesHaveTheirOwnCamera) {
   const auto source = make_kitti_source(folder.path(), {}, 1);
   EXPECT_EQ(source->info().camera.fx, 70.0);
   const std::vector<Frame> frames = all_frames(*source);
-  // 0.1 m to the left of camera 0; the vehicle's y points left.
-  EXPECT_NEAR(frames[0].true_T_world_camera->translation.y(), 0.1, 1e-9);
+  // 0.1 m to the left of camera 0; the vehicle's y points left, and its origin is the same.
+  const Vector3<double> left(1.08, -0.32 + 0.1, 1.65);
+  EXPECT_NEAR((source->info().T_vehicle_camera.translation - left).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((frames[0].true_T_world_camera->translation - left).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(frames[0].true_T_world_vehicle->translation.norm(), 0.0, 1e-9);
+}
+
+/// WHEN the car turns about its origin near the rear axle, THEN its camera moves sideways and the
+/// odometry says a turn without way.
+TEST(Kitti, OriginIsBelowTheImu) {
+  const TemporaryFolder folder;
+  folder.write("calib.txt", kKittiCalibration);
+  for (const char* name : {"000000.png", "000001.png"}) {
+    picture(folder.path() / "image_0" / name, 64, 48);
+  }
+  // To the left by 0.1 rad about the point 1.08 m behind and 0.32 m left of camera 0, in its axes.
+  const double c = std::cos(0.1);
+  const double s = std::sin(0.1);
+  const double x = -0.32 - (c * -0.32 - s * -1.08);
+  const double z = -1.08 - (s * -0.32 + c * -1.08);
+  char turned[256];
+  std::snprintf(turned, sizeof turned,
+                "1 0 0 0 0 1 0 0 0 0 1 0\n%.9f 0 %.9f %.9f 0 1 0 0 %.9f 0 %.9f %.9f\n", c, -s, x, s,
+                c, z);
+  folder.write("poses.txt", turned);
+  const auto source = make_kitti_source(folder.path(), {}, 1);
+  const std::vector<Frame> frames = all_frames(*source);
+  ASSERT_EQ(frames.size(), 2U);
+  const Vector3<double> place = source->info().T_vehicle_camera.translation;
+  EXPECT_NEAR((place - Vector3<double>(1.08, -0.32, 1.65)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(frames[1].true_T_world_vehicle->translation.norm(), 0.0, 1e-6);
+  EXPECT_GT(frames[1].true_T_world_camera->translation.y() -
+                frames[0].true_T_world_camera->translation.y(),
+            0.1);
+  ASSERT_EQ(frames[1].odometry.size(), 1U);
+  EXPECT_NEAR(frames[1].odometry[0].speed_mps, 0.0, 0.5);
+  EXPECT_NEAR(frames[1].odometry[0].turn, 1.0, 0.05);
 }
 
 void write_kitti_raw(const TemporaryFolder& folder) {
