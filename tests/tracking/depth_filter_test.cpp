@@ -171,6 +171,29 @@ TEST_F(DepthAndDenseFilter, ForgetWhatEnds) {
   expect_equal_innovation(residual(2, 0));
 }
 
+/// Odometry that jumps leaves the yaw unsure by more than a radian, of which single precision loses
+/// more than a few looks leave.
+TEST_F(DepthAndDenseFilter, TheYawsVarianceIsAboveZeroWhereItWasUnknown) {
+  for (const double sigma_yaw : {0.3, 1.7, 30.0}) {
+    for (int turn = 0; turn < 40; ++turn) {
+      filter_.clear();
+      predict(1e-3, 1e-3);
+      begin_keyframe(0);
+      for (int slot = 0; slot < 4; ++slot) begin_seed(slot, 1.0);
+      predict(1e-3, sigma_yaw);
+      Filter::Correction correction;
+      for (int slot = 0; slot < 4; ++slot) {
+        Filter::Residual look = residual(slot, 0);
+        look.by_keyframe = -look.by_camera;
+        static_cast<void>(
+            filter_.update(look, static_cast<float>(kSigma_px), HUGE_VALF, correction));
+        EXPECT_GE(filter_.yaw_variance(0), 1e-9F) << sigma_yaw;
+        EXPECT_GT(filter_.variance(slot), 0.0F);
+      }
+    }
+  }
+}
+
 TEST_F(DepthAndDenseFilter, RefuseAResidualOutsideTheGate) {
   predict(1e-4, 1e-4);
   begin_keyframe(0);

@@ -4,6 +4,7 @@
 #include "cairn/geometry/rigid.hpp"
 #include "cairn/numeric/math.hpp"
 #include "cairn/numeric/packed_symmetric.hpp"
+#include "cairn/numeric/positive_definite.hpp"
 
 namespace cairn {
 
@@ -83,10 +84,13 @@ class DepthFilter {
     end(a, 1);
   }
 
-  /// Of the camera's yaw since keyframe k, rad^2.
+  /// Of the camera's yaw since keyframe k, rad^2; at least what a hundredth of a pixel tells: looks
+  /// at a yaw that was unknown leave a difference of which rounding makes anything.
   float yaw_variance(int k) const {
+    constexpr float kLeast = 1e-9F;
     const int yaw = 3 + 2 * k;
-    return P_(1, 1) - 2.0F * P_(yaw, 1) + P_(yaw, yaw);
+    const float difference = P_(1, 1) - 2.0F * P_(yaw, 1) + P_(yaw, yaw);
+    return difference > kLeast ? difference : kLeast;
   }
   float variance(int slot) const { return P_(state_of(slot), state_of(slot)); }
 
@@ -130,7 +134,15 @@ class DepthFilter {
     P_.multiply_sparse(index, coefficients[0], kTerms, a);
     P_.multiply_sparse(index, coefficients[1], kTerms, b);
     for (int j = 0; j < kStates; ++j) correction.state[j] += a[j] * w0 + b[j] * w1;
+    float resolved[kTerms];
+    for (int k = 0; k < kTerms; ++k) {
+      resolved[k] = kRoundingNoise<float> * P_(index[k], index[k]);
+    }
     P_.downdate(a, b, i00, i01, i11);
+    for (int k = 0; k < kTerms; ++k) {
+      float& variance = P_(index[k], index[k]);
+      if (!(variance > resolved[k])) variance = resolved[k];
+    }
     return true;
   }
 

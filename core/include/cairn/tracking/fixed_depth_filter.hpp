@@ -82,7 +82,7 @@ class FixedDepthFilter {
         wide::scale(root.mantissa, Rho::kFractionBits - root.bits - P_.scale(state), none));
   }
 
-  /// Of the camera's yaw since keyframe k, rad^2.
+  /// Of the camera's yaw since keyframe k, rad^2; at least what a difference of the two resolves.
   Variance yaw_variance(int k) const {
     const int now = 1;
     const int then = 3 + 2 * k;
@@ -92,7 +92,9 @@ class FixedDepthFilter {
       return wide::scale(P_.mantissa(i, j), shift, none);
     };
     const std::int64_t both = wide::add(term(now, now, 0), term(then, then, 0), none);
-    return Variance::from_raw(wide::add(both, -term(then, now, 1), none));
+    const std::int64_t least = (both >> 28) + 1;
+    const std::int64_t difference = wide::add(both, -term(then, now, 1), none);
+    return Variance::from_raw(difference > least ? difference : least);
   }
 
   /// Innovation covariance of a residual; `sigma`: of a pixel over the focal lengths.
