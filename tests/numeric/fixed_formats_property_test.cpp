@@ -1,4 +1,5 @@
 // Formats and what turns one into another, for any operands, against integers of 128 bits.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -154,6 +155,10 @@ TEST(FixedFormatsProperty, TurnsAreTheNearestAndMakeNothingOfNothing) {
   EXPECT_TRUE(rc::check([] {
     const auto part = [](int bits) { return static_cast<std::int32_t>(*operand_of(bits)); };
     const PlaneRotation by = rotation_onto(part(30), part(30));
+    // Rounding may leave a factor a little beyond 1, which counts as 1.
+    constexpr std::int32_t kOne = 1 << 30;
+    const Int128 cosine = std::clamp(by.cosine, -kOne, kOne);
+    const Int128 sine = std::clamp(by.sine, -kOne, kOne);
     const std::int32_t x = part(29);
     const std::int32_t y = part(29);
     const auto off = [](std::int32_t result, Int128 exact) {
@@ -164,8 +169,8 @@ TEST(FixedFormatsProperty, TurnsAreTheNearestAndMakeNothingOfNothing) {
     std::int32_t a[2] = {x, 0};
     std::int32_t b[2] = {y, 0};
     rotate(by, a, b, 2);
-    RC_ASSERT(off(a[0], Int128{by.cosine} * x + Int128{by.sine} * y) <= kUnit);
-    RC_ASSERT(off(b[0], Int128{by.cosine} * y - Int128{by.sine} * x) <= kUnit);
+    RC_ASSERT(off(a[0], cosine * x + sine * y) <= kUnit);
+    RC_ASSERT(off(b[0], cosine * y - sine * x) <= kUnit);
     RC_ASSERT(a[1] == 0 && b[1] == 0);
     std::int32_t from[1] = {x};
     std::int32_t only[1] = {y};

@@ -42,7 +42,8 @@ struct PlaneRotation {
 /// factors below 2.5e-9. Domain: |a|, |b| <= 2^30.
 PlaneRotation rotation_onto(std::int32_t a, std::int32_t b);
 
-/// (a_i, b_i) <- (c a_i + s b_i, c b_i - s a_i). Domain: the lengths of (a_i, b_i) below 2^30.
+/// (a_i, b_i) <- (c a_i + s b_i, c b_i - s a_i), factors beyond 1 counted as 1. Domain: the lengths
+/// of (a_i, b_i) below 2^30.
 void rotate(PlaneRotation by, std::int32_t* a, std::int32_t* b, int count);
 /// The same where all a_i count as 0, whatever stands there.
 void turn_from_nothing(PlaneRotation by, std::int32_t* a, std::int32_t* b, int count);
