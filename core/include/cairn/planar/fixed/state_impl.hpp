@@ -87,12 +87,15 @@ template <int MaxLandmarks, int LandmarkDim>
 void FixedPlanarState<MaxLandmarks, LandmarkDim>::turn_map(const FixedRotation& turn,
                                                            std::uint32_t& saturations) {
   const FixedRotation none;
+  FixedRatio by[3][3];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) by[i][j] = subtract(turn.r[i][j], none.r[i][j], saturations);
+  }
   for (int slot = 0; slot < count(); ++slot) {
     const FixedLength v[3] = {relative(slot, 0), relative(slot, 1), length(height(slot))};
     for (int i = 0; i < LandmarkDim; ++i) {
       for (int j = 0; j < 3; ++j) {
-        const FixedRatio by = subtract(turn.r[i][j], none.r[i][j], saturations);
-        const auto moved = multiply<FixedCoordinate>(v[j], by, saturations);
+        const auto moved = multiply<FixedCoordinate>(v[j], by[i][j], saturations);
         p_[slot][i] = add(p_[slot][i], moved, saturations);
       }
     }
